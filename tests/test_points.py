@@ -430,4 +430,27 @@ def test_a_spring_that_never_slipped_has_no_swing_and_a_contradiction_no_regime(
     columns = done.sweep.columns | {"message": np.array(["", "", "disagree: they slip"])}
     other = replace(done, sweep=replace(done.sweep, columns=columns))
     (line,) = [line for line in report(other) if line.startswith("regime")]
-    assert line.endswith("stick-slip at 1, told otherwise by the ensemble at 1 of the points")
+    assert "stick-slip at 1, told otherwise by the ensemble at 1 of the points; undecided" in line
+
+
+def test_a_path_too_short_for_a_slip_is_no_smooth_sliding() -> None:
+    """Springs on which the path ends before the first slip have a mark of their own, and how far to drive is told."""
+    over = {"drive.spring": [0.01, 0.3, 5.0], "contacts.thresholds.std": [0.1, 0.2]}
+    done = toolkit.run(scene(WIDE, drive=DRIVE, master={"tolerance": 1e-3}, sweep=over))
+    regimes = done.sweep["regime"].tolist()
+    assert regimes == ["undecided"] * 2 + ["stick-slip"] * 2 + ["smooth"] * 2
+    axes = plot_points(Figure().subplots(), done)
+    said = [text.get_text() for text in axes.get_legend().get_texts()]
+    assert {*said} == {
+        "std = 0.1 length",
+        "std = 0.2 length",
+        "hollow, at no force: not decided whether it slips",
+    }
+    hollow = [line for line in axes.lines if line.get_markerfacecolor() == "none"]
+    assert [[*line.get_xdata()] for line in hollow] == [[0.01], [0.01], []]
+    (line,) = [line for line in report(done) if line.startswith("regime")]
+    asked = [float(why.split("X_T = ")[1].split(";")[0]) for why in done.sweep["regime_reason"][:2]]
+    assert line.endswith(
+        f"a longer drive, up to X_T = {max(asked):.3g} units of length (at drive.spring = 0.01, "
+        f"contacts.thresholds.std = {[0.1, 0.2][int(np.argmax(asked))]}): see sweep.csv"
+    )

@@ -40,7 +40,11 @@ _STRAIGHT = 100.0
 _OF_RIGID = ["force"], ["kinetic_force"]
 # mean force before all slips of the ensemble's sliders
 _OF_ENSEMBLE = "eq_force_before_slip"
+_OF_MASTER = "force_before_slip"
+_NOT_DECIDED = "hollow, at no force: not decided whether it slips"
 _NOISE = 0.1  # part of the largest swing below which the force swings by chance
+# of the height of the axes: where marks of points that are not decided begin, and how far those of the next line are
+_LOWEST, _NEXT = 0.025, 0.04
 
 
 def plot_points(
@@ -72,9 +76,10 @@ def plot_points(
     unused = [sweep[key].ravel() for key in sweep.along if key not in (first, *others)]
     shown = np.logical_and.reduce([own == own[0] for own in unused] or [np.full(x.size, True)])
     names, number, sloped = list(dict.fromkeys(lines)), 0, False
+    undecided = _undecided(sweep) & (_OF_MASTER in columns)
     for column, said in columns.items():
         value, error = _drawn(result, column)
-        for k in some_of(len(names), _LINES):
+        for k_th, k in enumerate(some_of(len(names), _LINES)):
             rows = np.flatnonzero(shown & [line == names[k] for line in lines])
             rows = rows[np.argsort(x[rows], kind="stable")]
             style = style_of(number) | {"ms": 4, "lw": 1.2, "capsize": 2, "label": names[k] or said}
@@ -85,7 +90,15 @@ def plot_points(
                 said = f"slope $dF_k/d\\,\\ln v$ = {written(slope, result.scale.force_unit)}"
                 style["label"] = ", ".join(filter(None, [style["label"], said * (slope != 0.0)]))
             axes.errorbar(x[rows], value[rows], error[rows], **style)
+            if column == _OF_MASTER and undecided[rows].any():
+                height = np.full(undecided[rows].sum(), _LOWEST + k_th * _NEXT)
+                hollow: dict[str, Any] = {"color": style["color"], "marker": style["marker"]}
+                hollow |= {"mfc": "none", "ls": "", "ms": 5, "label": "_"}
+                hollow["transform"] = axes.get_xaxis_transform()
+                axes.plot(x[rows][undecided[rows]], height, **hollow)
             number += 1
+    if undecided.any():
+        axes.plot([], [], "o", color="0.4", mfc="none", ms=5, label=_NOT_DECIDED)
     # points without a value, as those without slips, are on the axis, too
     axes.update_datalim(np.column_stack([x, x]), updatey=False)
     if x.min() > 0.0 and x.max() > _LOG_FROM * x.min():
@@ -173,7 +186,7 @@ def _written(value: Any, unit: str) -> str:
 def _of_slips(sweep: SweepRecord) -> dict[str, str]:
     """The columns of the forces of slips that are known at some point, and what they are; empty without slips."""
     named = {
-        "force_before_slip": "before the last slip",
+        _OF_MASTER: "before the last slip",
         "force_after_slip": "after it",
         _OF_ENSEMBLE: "before a slip, ensemble",
     }
@@ -187,6 +200,15 @@ def _of_slips(sweep: SweepRecord) -> dict[str, str]:
         for name, there in known.items()
         if there.any()
     }
+
+
+def _undecided(sweep: SweepRecord) -> NDArray[np.bool_]:
+    """At which points no slip is known, and none is excluded: the path ends too early, or the point failed."""
+    if "regime" not in sweep.columns:
+        return np.zeros(sweep.size, bool)
+    none = np.isnan(sweep[_OF_MASTER].ravel())
+    failed = np.isnan(sweep["slips"].ravel())
+    return np.asarray(none & (failed | (sweep["regime"].ravel() == "undecided")))
 
 
 def _swings_on(sweep: SweepRecord) -> NDArray[np.bool_]:

@@ -1,5 +1,6 @@
 """What a run prints of its result: a line for each solver with its error and its run time."""
 
+import re
 from collections import Counter
 from typing import Any
 
@@ -17,6 +18,8 @@ from toolkit.results.verdicts import DISAGREE, contradiction
 from toolkit.scene.interfaces import in_a_line
 from toolkit.scene.scale import spoken, with_error, with_uncertainty
 
+# in the reason of an undecided regime: how far to drive, a number and the prefix of metres, where it is in metres
+_FARTHER = r"X_T = ([-+.\de]+)(?: ([fpnµm])m\b)?"
 _SEEN = 1e-6  # of a period: a smaller error, numerical as a rule, is not told
 APART = 6.0  # standard errors at which both solvers do not agree; chance makes about 3
 
@@ -68,7 +71,7 @@ def report(result: Any) -> list[str]:
         if "regime" in sweep.columns:
             known = Counter(map(_regime, sweep["regime"].tolist(), sweep["message"].tolist()))
             each = [f"{verdict or 'not known'} at {n}" for verdict, n in known.most_common()]
-            lines.append(f"regime  {', '.join(each)} of the points")
+            lines.append(f"regime  {', '.join(each)} of the points{_farthest(result)}")
     elif sweep is not None:
         error = f"error {result.scale.error(sweep.force_error.max(), result.mean_threshold)}"
         if sweep.critical_spring_error is not None:
@@ -100,6 +103,28 @@ def report(result: Any) -> list[str]:
 def _regime(verdict: str, message: str) -> str:
     """The regime of a point, which master's verdict is none of where its ensemble contradicts it."""
     return "told otherwise by the ensemble" if DISAGREE in message else verdict
+
+
+def _farthest(result: Any) -> str:
+    """How far the undecided points of a sweep ask to be driven, the one that asks for most told; "" where none says."""
+    sweep = result.sweep
+    most, whose = 0.0, 0
+    for row, (regime, why) in enumerate(zip(sweep["regime"], sweep["regime_reason"], strict=True)):
+        asked = re.search(_FARTHER, why)
+        if regime == "undecided" and asked and (way := _length(*asked.groups())) > most:
+            most, whose = way, row
+    if not most:
+        return ""
+    at = ", ".join(f"{key} = {sweep[key][whose]}" for key in sweep.along)
+    how_far = spoken(most, result.scale.length_unit)
+    return (
+        f"; undecided ones ask for a longer drive, up to X_T = {how_far} (at {at}): see sweep.csv"
+    )
+
+
+def _length(number: str, prefix: str | None) -> float:
+    """A length as `written` has it."""
+    return float(number) * 1e3 ** ("fpnµm".index(prefix) - 5 if prefix else 0)
 
 
 def agreeing(result: Any) -> bool:
