@@ -60,8 +60,9 @@ class Following(Body):
         if not slow.missed[0] <= part * self.quiet:
             return False
         faster = abs(self.w - slow.speed[0])
-        # above critical damping nothing rings, and a slider far from its slow motion goes to it at a speed of its own
-        if self._heavily_damped and self.damping * faster > part * self.quiet:
+        # above critical damping nothing rings: what the slider lags behind, where F' jumps, too, it makes up at a speed
+        # of its own
+        if self._heavily_damped and self.damping * (faster + slow.speed[0]) > part * self.quiet:
             return False
         rings = force - slow.inertia[0], np.sqrt(m * slope) * faster
         return bool(np.hypot(*rings) <= part * self.quiet) and not self._lags_before_drop()
@@ -136,8 +137,9 @@ class Following(Body):
         jumps = np.abs(np.diff(slow.speed, prepend=slow.speed[0])).reshape(places.shape)
         jumps[:, 1:] = 0.0
         rings = np.sqrt(self.mass * np.maximum(slow.slope, 0.0)) * jumps.ravel()
+        lags = self.damping * slow.speed * self._heavily_damped
         ahead = places.ravel()
-        fast = ((slow.missed > self.quiet) | (rings > self.quiet)) & (ahead > y)
+        fast = (np.maximum(slow.missed, np.maximum(rings, lags)) > self.quiet) & (ahead > y)
         stop = float(ahead[-1])
         if fast.any():
             k = int(np.argmax(fast))
