@@ -11,6 +11,7 @@ from functools import cache
 from pathlib import Path
 from typing import Any
 
+import h5py
 import numpy as np
 import pytest
 from matplotlib.figure import Figure
@@ -81,6 +82,13 @@ def test_a_point_is_the_scene_with_its_values(capsys: Any) -> None:
     assert any('drive.slip = "reset", and other rules may have others' in line for line in out)
     told = json.loads(Path("mine-output/summary.json").read_text())["sweep"]
     assert told["points"] == 6 and told["along"] == list(OVER)
+    # a force in the unit of lengths is one over N_c<k>, which the file says
+    with h5py.File("mine-output/result.h5") as store:
+        said_to_be = {
+            own.attrs["name"]: own.attrs.get("quantity") for own in store["sweep"].values()
+        }
+    assert said_to_be["last_force"] == said_to_be["kinetic_force_error"] == "F/(N_c<k>)"
+    assert said_to_be["period"] is None and said_to_be["critical_spring"] is None
 
 
 def test_springs_of_several_units_are_one_axis() -> None:

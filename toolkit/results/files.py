@@ -14,7 +14,14 @@ import numpy as np
 from origins.errors import InputError, refuse
 from toolkit.results.beside import slips_beside
 from toolkit.results.folders import opened, write_sealed
-from toolkit.results.kinds import is_coupled, is_heavy, is_precise, units_of
+from toolkit.results.kinds import (
+    OVER_STIFFNESS,
+    QUANTITIES,
+    is_coupled,
+    is_heavy,
+    is_precise,
+    units_of,
+)
 from toolkit.results.legend import keys_of
 from toolkit.results.numbers import numbers_of
 from toolkit.results.points import fill_sweep, read_sweep
@@ -214,6 +221,8 @@ def _write(group: Any, answer: Any, units: dict[str, str], **how: Any) -> None:
         if isinstance(value, np.ndarray) or name == _PER_RANK:
             group.create_dataset(name, data=value, **how)
             group[name].attrs["units"] = units.get(name.removeprefix("slip_"), "1")
+            if QUANTITIES.get(name.removeprefix("slip_")) == "force":
+                group[name].attrs["quantity"] = OVER_STIFFNESS
         elif name != _HISTOGRAMS:
             group.attrs[name] = value
 

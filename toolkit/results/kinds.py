@@ -22,6 +22,8 @@ contact_force_standard_error contact_forces""",
     "energy": " ".join(f"energy_{part}" for part in (*ENERGIES, "start")),
     "inverse length": "density thresholds stretches threshold_error stretch_error",
 } | {name: name for name in ("temperature", "kelvin", "rate")}
+# what forces of result.h5 are, whose unit is that of lengths
+OVER_STIFFNESS = "F/(N_c<k>)"
 QUANTITIES = {name: quantity for quantity, names in _NAMES.items() for name in names.split()}
 
 

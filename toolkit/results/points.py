@@ -11,7 +11,7 @@ import numpy as np
 
 from origins.brief import brief
 from origins.thresholds.law import Array
-from toolkit.results.kinds import units_of
+from toolkit.results.kinds import OVER_STIFFNESS, units_of
 from toolkit.scene.drive import IN_SI
 from toolkit.scene.scale import Scale
 from toolkit.scene.tables import FIXED_UNITS, LENGTHS
@@ -175,6 +175,8 @@ def fill_sweep(group: Any, record: SweepRecord, units: Mapping[str, str]) -> Non
     for number, (name, column) in enumerate(record.columns.items()):
         own = group.create_dataset(name if record.smooth else f"{number:03d}", data=column.tolist())
         own.attrs["name"], own.attrs["units"] = name, units.get(name, pure)
+        if "force" in name and units.get(name) not in ("", "N", None):
+            own.attrs["quantity"] = OVER_STIFFNESS
 
 
 def read_sweep(group: Any) -> SweepRecord:
