@@ -42,7 +42,7 @@ from master.soft.in_time.steps.time_units import (
     ROUNDED,
     TimeUnits,
 )
-from master.soft.in_time.threshold_cells import ThresholdCells
+from master.soft.in_time.threshold_cells import StraightMove, ThresholdCells
 from master.soft.in_time.unresolved import OF_BALANCE
 from origins import (
     Ageing,
@@ -642,6 +642,22 @@ def test_the_compiled_sum_over_cells_is_the_plain_one(stiffness: str, temperatur
         stiff = np.asarray(contacts.relative_stiffness(0.5 * (ends[1:] + ends[:-1])))
         told = survival_of_one(log, weight), stretch[i] * survival_of_one(log, weight * stiff)
         np.testing.assert_allclose(found[:, i], told, rtol=1e-12, atol=2e-14)
+
+
+def test_one_time_at_rest_tells_what_integrals_at_all_thresholds_do() -> None:
+    """Two moves, there and back, of contacts in soft heat: ln h is a function of x plus one of the threshold."""
+    contacts = Contacts(WIDE, thermal=HEAT)
+    edges = np.linspace(0.0, 2.6, 201)
+    cells = ThresholdCells(contacts, edges, WIDE.sf(edges))
+    born = np.linspace(-0.3, 0.5, 9)
+    there = StraightMove(born, born + 0.6, np.maximum(abs(born), born + 0.6), 2.0)
+    back = StraightMove(there.end, there.end - 0.4, there.largest, 30.0)
+    integrals = sum(cells.rate_integral(leg, edges) for leg in (there, back))
+    time = np.logaddexp(*(cells.log_relaxed_time(leg) for leg in (there, back)))
+    asked = back.end, there.largest, np.asarray(WIDE.sf(there.largest))
+    by_time = cells.survival_and_force(time[:, None], *asked)
+    assert by_time[0].min() < 0.1 and by_time[0].max() > 0.6
+    np.testing.assert_allclose(by_time, cells.survival_and_force(integrals, *asked), rtol=1e-10)
 
 
 def test_cells_of_thresholds_lose_those_that_a_jump_meets_and_those_that_heat_breaks() -> None:

@@ -15,6 +15,16 @@ LEAST_LOG = -740.0
 TOGETHER = 4096
 
 
+def has_relaxed_time(contacts: Contacts) -> bool:
+    """Whether one time at x = 0 gives a contact the A of its history, at each threshold that it has not met: where the
+    rate of heat is separable. By a rate that is 0 at x = 0 no time there gives what has passed elsewhere."""
+    if contacts.thermal is None or contacts.stiffness == "linked":
+        return False
+    rates = contacts.thermal.rates
+    rate_at_0 = rates.log_rate(0.0, contacts.mean_threshold, 1.0)
+    return bool(rates.separable and np.isfinite(rate_at_0))
+
+
 class IntegratedRate:
     """A, the rate of n contacts integrated over time, for contacts born at stretches of shape (n,): leg by leg, the
     mean rate times the duration.
@@ -30,10 +40,14 @@ class IntegratedRate:
         self._duration = legs.duration
         self.furthest: Array = np.abs(self._stretch).max(axis=1)
         self._log_relaxed_time: Array | None = None  # where the rate is separable
-        # by a rate that is 0 at x = 0 no time there gives what has passed elsewhere
-        rate_at_0 = self._rates.log_rate(0.0, contacts.mean_threshold, 1.0)
-        if self._rates.separable and np.isfinite(rate_at_0) and contacts.stiffness != "linked":
+        if has_relaxed_time(contacts):
             self._log_relaxed_time = self._log_relaxed_times(born)
+
+    @property
+    def log_relaxed_time(self) -> Array | None:
+        """Logarithm of the time at x = 0 that gives each contact the same A, whatever its threshold, shape (n, 1); None
+        where rates are not separable."""
+        return self._log_relaxed_time
 
     def _log_relaxed_times(self, born: Array) -> Array:
         """Logarithm of the relaxed time of each contact, shape (n, 1): the time at x = 0 that gives it the same A.

@@ -186,7 +186,7 @@ class ContactsInSteps:
         begin, self.are_new = self.now, False
         self.steps, part = self.steps + 1, 1.0 if size else OF_SLIP
         self.cost += part
-        self.work += part * weight.size * (self.memory.width + FIXED_WORK)
+        self.work += part * weight.size * (self.memory.work + FIXED_WORK)
         self._stop_at_limits()
         new = (trial.births - self.births) * self._per_birth
         weight[self._last_two] += new

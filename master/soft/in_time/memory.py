@@ -12,6 +12,7 @@ import numpy as np
 from master.soft.in_time.threshold_cells import StraightMove, ThresholdCells
 from master.survival.age.extent import narrowest
 from master.survival.heat import MeanRateLife
+from master.survival.integrated_rate import has_relaxed_time
 from master.survival.life import TIE
 from origins import Contacts, Thresholds
 from origins.thresholds.law import Array
@@ -29,6 +30,8 @@ STRONGEST = 1e-18
 NO_THRESHOLD = 1e-12
 # Rounding of the tables of the mean rate H, relative.
 OF_TABLES = 1e-12
+# Work of a cell in a sum of e^-A, in that of A at its edge where that is followed, too (measured).
+OF_SUM = 0.4
 # Nodes for a start with a width on the coarsest steps, and those more with each halving: with heat or with
 # thresholds that change each node has a record of its own; without they cost little, and a start may be wide: they are
 # doubled with each halving, a few times.
@@ -58,6 +61,7 @@ class Memory:
     error : of the survival that `survival_and_force` returns, however fine cells and steps are
     largest_stretch : stretch at t = 0 or at birth beyond which no contact holds (a length)
     width : numbers in the record of a group
+    work : of a step of a group, in numbers of a record that are followed
     scales : what steps have to resolve
     starts : most nodes for a start with a width; more with each halving of the steps, so that their error shows
     balance : accuracy of a step's balance, in sizes of steps: far below the error of a step
@@ -77,6 +81,10 @@ class Memory:
     width: int
     scales: Scales
     starts: int
+
+    @property
+    def work(self) -> float:
+        return self.width
 
     @property
     def length_in_slips(self) -> float:
@@ -124,7 +132,8 @@ class Memory:
 
 
 class ThresholdMemory(Memory):
-    """Contacts with thresholds that stay, which break there or by heat (closure "exact"): keeps A."""
+    """Contacts with thresholds that stay, which break there or by heat (closure "exact"): keeps A at edges of cells, or
+    where rates are separable the logarithm of the time at x = 0 that gives it at each."""
 
     def __init__(self, contacts: Contacts, halvings: int) -> None:
         """Choose the cells of thresholds, and over what births and steps change."""
@@ -137,14 +146,22 @@ class ThresholdMemory(Memory):
         self.largest_stretch, self.scales = largest_stretch(law), scales_of(contacts)
         edges = cell_edges(law, self.largest_stretch, halvings)
         self._cells = ThresholdCells(contacts, edges, law.sf(edges))
-        self.width, self.resolves_heat = self._cells.width, resolves_heat(contacts, edges)
+        self.resolves_heat = resolves_heat(contacts, edges)
+        self._by_time = has_relaxed_time(contacts)
+        self.width = 1 if self._by_time else self._cells.width
+
+    @property
+    def work(self) -> float:
+        return self.width + OF_SUM * self._cells.width if self._by_time else self.width
 
     def start(self, stretch: Array) -> Array:
-        return np.zeros((stretch.size, self.width))
+        return np.full((stretch.size, self.width), -np.inf if self._by_time else 0.0)
 
     def advance(self, record: Array, leg: StraightMove) -> Array:
         if not leg.duration or not self._hot:
             return record
+        if self._by_time:
+            return np.logaddexp(record, self._cells.log_relaxed_time(leg)[:, None])
         return np.asarray(record + self._cells.rate_integral(leg, self._cells.edges))
 
     def survival_and_force(self, record: Array, stretch: Array, largest: Array) -> Array:

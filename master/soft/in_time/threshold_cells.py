@@ -12,7 +12,7 @@ import numpy as np
 import numpy.typing as npt
 
 from master.motion import Legs
-from master.survival.integrated_rate import IntegratedRate
+from master.survival.integrated_rate import IntegratedRate, has_relaxed_time
 from origins import Contacts
 from origins.thresholds.law import Array
 from origins.thresholds.numerical import clipped
@@ -52,29 +52,50 @@ class ThresholdCells:
         self._stiffness = contacts.relative_stiffness(edges)
         self._hot = contacts.thermal is not None
         self.width = edges.size * self._hot
+        self._log_rates: Array = np.empty(0)
+        if self._hot and has_relaxed_time(contacts):
+            self._log_rates = self._log_rate_at_0(edges)
+
+    def _log_rate_at_0(self, thresholds: Array) -> Array:
+        """The logarithm of h(0; x_s), where the stiffness of contacts does not matter."""
+        assert self._contacts.thermal is not None
+        return np.asarray(self._contacts.thermal.rates.log_rate(0.0, thresholds, 1.0))
+
+    def log_relaxed_time(self, leg: StraightMove) -> Array:
+        """The logarithm of the time at x = 0 that adds to A as one leg does, at all thresholds beyond |x|: (n,)."""
+        found = self._integrated(leg).log_relaxed_time
+        assert found is not None
+        return found[:, 0]
 
     def rate_integral(self, leg: StraightMove, thresholds: Array) -> Array:
         """A of one leg at thresholds (k,) or (n, k)."""
-        travel, count = leg.end - leg.begin, leg.end.size
-        speed, duration = float(travel[0]) / leg.duration, np.full((count, 1), leg.duration)
-        legs = Legs(np.stack([np.zeros(count), travel], axis=-1), duration, np.array([speed]))
-        integrated = IntegratedRate(self._contacts, leg.begin, legs)
+        integrated = self._integrated(leg)
         # Thresholds that |x| passes on this leg are met, and their A is never read again. Lifted to |x| they stay where
         # rates are defined.
         passed = np.maximum(np.abs(leg.begin), np.abs(leg.end))
         above = np.maximum(thresholds, passed[:, None])
         return integrated.on_one_leg(above)
 
+    def _integrated(self, leg: StraightMove) -> IntegratedRate:
+        """A of one leg."""
+        travel, count = leg.end - leg.begin, leg.end.size
+        speed, duration = float(travel[0]) / leg.duration, np.full((count, 1), leg.duration)
+        legs = Legs(np.stack([np.zeros(count), travel], axis=-1), duration, np.array([speed]))
+        return IntegratedRate(self._contacts, leg.begin, legs)
+
     def survival_and_force(
         self, integrals: Array, stretch: Array, least: Array, unmet: Array
     ) -> Array:
-        """Survival and force of the fraction `unmet`, whose thresholds lie beyond `least`, from A at the edges: where
-        thresholds stay, `least` is the largest |x| so far; where they grow, the place of the largest hazard so far."""
+        """Survival and force of the fraction `unmet`, whose thresholds lie beyond `least`, from A at the edges, or from
+        the logarithm of the relaxed time, shape (n, 1): where thresholds stay, `least` is the largest |x| so far; where
+        they grow, the place of the largest hazard so far."""
         edges, kernel, every = self.edges, self._kernel, np.arange(least.size)
         # of the cell in which the least threshold lies only the part beyond it counts; two edges follow, for _log_at
         cut = clipped(np.searchsorted(edges, least, "right") - 1, 0, edges.size - 3)
         low = clipped(least, edges[cut], edges[cut + 1])
-        if self._hot:
+        if self._hot and integrals.shape[1] == 1:
+            log = integrals[:, 0] + self._log_rate_at_0(low)
+        elif self._hot:
             next_two = (np.maximum(integrals[every, cut + k], kernel.LEAST) for k in (1, 2))
             log = self._log_at(low, cut, *map(np.log, next_two))
         else:
@@ -82,7 +103,16 @@ class ThresholdCells:
             log = np.full(least.size, kernel.LEAST_LOG)
         stiffness_there = self._contacts.relative_stiffness(low)
         integrals = np.ascontiguousarray(integrals)
-        given = integrals, cut, log, stiffness_there, unmet, self.beyond, self._stiffness
+        given = (
+            integrals,
+            self._log_rates,
+            cut,
+            log,
+            stiffness_there,
+            unmet,
+            self.beyond,
+            self._stiffness,
+        )
         holding, stiffness = kernel.survival_and_stiffness(*given)
         return np.stack([holding, stretch * stiffness])
 

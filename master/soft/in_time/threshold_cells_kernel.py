@@ -59,6 +59,7 @@ def integral_at(log: float, value: float) -> float:
 @compiled
 def survival_and_stiffness(
     integrals: Array,
+    log_rates: Array,
     cut: NDArray[np.intp],
     log: Array,
     stiffness_there: Array,
@@ -68,13 +69,15 @@ def survival_and_stiffness(
 ) -> Array:
     """Survival and stiffness of contacts in groups, shape (2, groups): sums over cells of thresholds.
 
-    integrals : A at the edges of cells, array (groups, k + 1); it falls with the threshold
+    integrals : A at the edges of cells, array (groups, k + 1); it falls with the threshold. Where A is a rate at the
+        threshold times a time, the logarithm of that time, array (groups, 1)
+    log_rates : of these rates the logarithms at the edges, (k + 1,)
     cut, log, stiffness_there : the cell in which the least threshold of a group lies, of which only the part beyond it
         counts; ln A, and k_i/<k>, at the least threshold; (groups,)
     unmet : the fraction of the contacts that lies beyond it (groups,)
     beyond, stiffness : of all contacts the fraction that lies beyond each edge, and k_i/<k> there, (k + 1,)
     """
-    groups, cells = integrals.shape[0], beyond.size - 1
+    groups, cells, by_time = integrals.shape[0], beyond.size - 1, integrals.shape[1] == 1
     out = np.zeros((2, groups))
     for i in range(groups):
         # of the lower end of a cell: A, its logarithm, E_1 (nan before it is asked for) and e^-A; k_i/<k>
@@ -84,6 +87,10 @@ def survival_and_stiffness(
             weight = max(min(unmet[i], beyond[j]) - beyond[j + 1], 0.0)
             if low <= ALL_HOLD:
                 high, high_log, high_survival = low, low_log, 1.0
+            elif by_time:
+                high_log = integrals[i, 0] + log_rates[j + 1]
+                high = np.exp(min(high_log, MOST_LOG))
+                high_survival = np.exp(-high)
             else:
                 high = max(integrals[i, j + 1], LEAST)
                 high_log, high_survival = np.log(high), np.exp(-high)
