@@ -612,6 +612,26 @@ def test_the_page_of_the_documentation_holds() -> None:
     assert found.slip_distance.value == pytest.approx(4.0e-9, abs=5e-11)
     assert found.misfit_later.share == pytest.approx(0.12, abs=0.005)
     assert found.critical_spring == found.critical_spring_solved == 0.0
+    scene = load_scene("rate-state-weakening")
+    for slope, *times in ((0.028, 10**-0.5, 1.0), (0.023, 10**3.75, 10**4.25)):
+        low, high = (rest_of(scene.contacts, scene.sliding, one, 1e-5).peak for one in times)
+        rise = (high - low) / np.log10(times[1] / times[0])
+        assert rise * scene.scale.force == pytest.approx(slope, abs=5e-4)
+
+
+@pytest.mark.parametrize(("beta", "signs"), [(0.03, (1, 1, 1)), (0.1, (1, -1, 1))])
+def test_with_heat_friction_of_contacts_that_strengthen_falls_between_two_speeds(
+    beta: float, signs: tuple[int, ...]
+) -> None:
+    """docs/rate-and-state.md: only where βA > α(B + β), A and B of docs/laws.md; beyond <x_s>/τ_0 it rises again."""
+    contacts = EYRING.replace(thresholds=strengthening(WIDE, beta=beta, time=1e3))
+    for velocity, sign in zip((1e-8, 1e-4, 1e-2), signs, strict=True):
+        slow, fast = master.kinetic_curve(contacts, velocity * np.array([0.9, 1.1])).force
+        assert np.sign(fast - slow) == sign
+        if velocity < 1e-3:
+            b = 1.0 - beta * np.log(1e3 * velocity)
+            a = 1.0 + ALPHA * (np.log(velocity / ALPHA / b) - 0.58)
+            assert np.sign(ALPHA * (b + beta) - beta * a) == sign
 
 
 @pytest.mark.parametrize(

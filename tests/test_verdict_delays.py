@@ -50,6 +50,16 @@ def told(
     return answers.Verdict("a", "a", SPEED, (own,), (), {}, 1.0, turned)
 
 
+def test_delays_of_the_documentation_s_scan() -> None:
+    """docs/sliders-with-mass.md: 6.2 nm, F_k of 255 mN and 1 N s/m, by a gamma law with that F_k/<x_s>."""
+    shape = 1.2263
+    law, total = stats.gamma(shape, scale=6.196e-9 / shape), 4.53e7
+    low, high = unstable_delays(
+        Machine(50.0 / total, 0.1 / total, 1.0 / total, SPEED), Contacts(law)
+    )
+    assert low == pytest.approx(24e-9, rel=0.02) and high == pytest.approx(26.0 * 60.0, rel=0.02)
+
+
 @pytest.mark.parametrize("case", [slow(case, when=case >= 12) for case in range(40)])
 def test_friction_falls_by_the_damping_at_both_ends_and_by_more_between_them(case: int) -> None:
     """F_k of the master equation's steady state, differentiated, against the roots; none from F/4v on."""

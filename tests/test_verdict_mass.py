@@ -359,6 +359,9 @@ def test_a_delay_outlasts_a_slip_of_the_damped_mass() -> None:
     known, times = RigidSlider(0.8, 0.5, 1e-9, 3.0, 500.0), [half_a_swing(machine)]
     times += [slip_duration(each, known.static) for each in (damped, machine)]
     assert times[0] == pytest.approx(times[1], rel=0.1) and times[2] > 2.0 * times[0]
+    # docs/sliders.md, ζ = 1: of 50 N/m, 0.1 kg and 255 mN at 1 µm/s
+    scan = Machine(50.0, 0.1, 2.0 * 5.0**0.5, 1e-6)
+    assert slip_duration(scan, 0.255) == pytest.approx(14.3 * (0.1 / 50.0) ** 0.5, rel=0.01)
     for each, least in ((damped, times[1]), (machine, times[2])):
         for part in (2.99, 3.01):
             waiting = WAITING.replace(delay=Delay(part * least))
