@@ -197,6 +197,8 @@ def test_a_damping_that_is_assumed_says_why_and_where_less_of_it_is_unstable() -
         assert ("steady sliding is unstable" in line) is bool(delay)
     full = replace(slider(), damping=10.0 * TENTH)
     (line,) = (one for one in dependence(told(full)) if "damping: none" in one)
-    assert "machine: with less, which is tried first, it rings for too long" in line
+    assert (
+        "without one, or with a tenth of critical damping, the slider rings for too long: g" in line
+    )
     text = "\n".join(page(told(full)))
     assert "100% of critical" in text and text.count("% of critical") == 1

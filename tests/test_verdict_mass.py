@@ -14,7 +14,7 @@ from scipy import stats
 import eq_model
 import master
 from master.soft.inertia.run import SlipsInTime
-from origins import Contacts, Delay, InputError, Thermal, gaussian
+from origins import Contacts, Delay, InputError, Thermal, gaussian, strengthening
 from tests.scenes import said, write
 from tests.verdicts import reading, text_of, verdict_on
 from toolkit.results.kinds import kind_of
@@ -51,6 +51,7 @@ from toolkit.verdict.with_mass import closely, follow_extremes, in_its_own_time
 pytestmark = pytest.mark.usefixtures("in_a_folder", "unrendered")
 
 WAITING = Contacts(gaussian(1.0, 0.3), delay=Delay(30.0))
+STRONGER = Contacts(strengthening(gaussian(1.0, 0.3), beta=0.1, time=1.0))
 # slips after 800 mean thresholds of its drive, and then after 650 each
 HEAVY_ON_SOFT = Machine(1e-3, 1e-3, 6e-4, 1.0)
 
@@ -899,7 +900,8 @@ def test_a_short_delay_that_is_not_solved_is_told_by_as_many_contacts_as_break_o
 
 
 def test_a_slider_on_a_spring_above_that_of_the_table_says_why_it_slips() -> None:
-    """K* of contacts that wait is of one speed; the number of contacts is no cause of slips below it."""
+    """K* of contacts that wait is of one speed; the number of contacts is no cause of slips below it, nor of those of
+    contacts that have grown stronger."""
     told = of(of_a_mass("stick-slip", 0.9))
     scale = replace(told.own.scale, contacts=20_000.0)
     for spring, above in ((0.7, False), (0.9, True)):
@@ -909,6 +911,8 @@ def test_a_slider_on_a_spring_above_that_of_the_table_says_why_it_slips() -> Non
         )
         assert above is any("on a spring above K* of the table" in one for one in lines)
         assert above is any("N K³ = " in one for one in lines)
+    older = replace(told.own, machine=machine, scale=scale, contacts=STRONGER)
+    assert not any("N K³" in one for one in dependence(replace(told, answers=(older,))))
 
 
 def test_a_picture_without_a_friction_trace_says_why() -> None:

@@ -144,12 +144,14 @@ def _of_contacts(verdict: Verdict) -> Iterator[Line]:
     number, machine = own.scale.contacts, own.machine
     late = own.critical_spring.unknown or own.critical_spring.lost
     nothing_slips = any(one.heat_on_the_way is not None for one in own.behaviours)
-    if not (number is None or machine is None or late or own.softer or nothing_slips):
+    # K* of contacts that change is that of new ones, above which any number may slip
+    told_else = own.contacts.changing is not None or nothing_slips
+    if not (number is None or machine is None or late or own.softer or told_else):
         crowd = number * machine.spring**3
         yield Line(
             UNSIZED if crowd < SMOOTH_ABOVE else GENERAL,
-            f"the number of contacts N: N K³ = {crowd:.2g}, K in N_c<k>; above K* sliding is smooth "
-            f"only where it is above some {SMOOTH_ABOVE:g}",
+            f"the number of contacts N: N K³ = {crowd:.2g}, K in N_c<k>; below some {SMOOTH_ABOVE:g} "
+            "contacts may slip by chance above K*, too",
         )
     above = doubts(own.contacts) + [NUMERICAL_ONLY] * (len(verdict.answers) > 1)  # by their range
     for one in remarks(own.contacts.thresholds, machine is not None):

@@ -24,10 +24,10 @@ def of_a_mass(verdict: Verdict) -> Iterator[Line]:
             part = behaviour.damping / critical_damping(own.machine)
             yield Line(
                 UNSIZED,
-                "the damping: none is given, and without one the slider rings for too long: give drive.damping, the "
-                f"machine's own{_of_too_little(own, behaviour.damping)}",
-                f". {_why_so_damped(part)}. With less the force falls farther in a slip, and the slider rings longer; "
-                "F_k and F_s are the same",
+                f"the damping: none is given, and without one{_or_with_little(part)} the slider rings for too long: "
+                f"give drive.damping, the machine's own{_of_too_little(own, behaviour.damping)}",
+                ". The assumed one is no property of the machine. With less the force falls farther in a slip, and the "
+                "slider rings longer; F_k and F_s are the same",
             )
         if behaviour.kind == EVER_RARER and own.machine is not None:
             each = friction_falls(own.machine, own.contacts), own.machine.damping
@@ -62,14 +62,9 @@ def why_no_more_slips(own: Answer) -> str:
     return "as contacts have forgotten their start"
 
 
-def _why_so_damped(part: float) -> str:
-    """Why this part of the critical damping was taken, see DAMPED, which the answer tells."""
-    assumed = "The assumed one is no property of the machine"
-    if part < 0.5 * (min(DAMPED) + max(DAMPED)):
-        return assumed
-    return (
-        f"{assumed}: with less, which is tried first, it rings for too long on these contacts, too"
-    )
+def _or_with_little(part: float) -> str:
+    """The part of critical damping that was tried before the one that was taken, see DAMPED; "" for the first one."""
+    return ", or with a tenth of critical damping," * (part > 0.5 * (min(DAMPED) + max(DAMPED)))
 
 
 def _of_too_little(own: Answer, damping: float) -> str:
