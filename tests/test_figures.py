@@ -95,14 +95,6 @@ def test_scenes_are_found_by_figures(name: str, scene: str) -> None:
     assert load_scene(name).name == scene
 
 
-@pytest.mark.slow  # quick: formats of thresholds, in test_newtons.py
-def test_other_formats(capsys: Any, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.chdir(tmp_path)
-    assert said(capsys, "figures", "fig17", "--format", "pdf,svg")[0] == 0
-    assert Path("paper-figures/A10b.pdf").read_bytes().startswith(b"%PDF")
-    assert "<svg" in Path("paper-figures/A10b.svg").read_text(encoding="utf-8")
-
-
 def test_command(capsys: Any, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.chdir(tmp_path)
     status, out, _ = said(capsys, "figures", "A13b", "fig17")

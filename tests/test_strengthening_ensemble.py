@@ -108,33 +108,6 @@ def test_steady_sliding(beta, velocity, thermal, number):
     assert standard_errors(found, kinetic(beta, 0.1 * velocity, thermal)) > 5.0
 
 
-def test_a_rest_strengthens_contacts_by_the_logarithm_of_its_time():
-    """After a rest t: F = X S(X/g(t + X/v)) and those born again, and its peak grows by β per ln t."""
-    narrow, beta, velocity = origins.gaussian(mean=1.0, std=0.1), 0.05, 0.1
-    contacts = Contacts(strengthening(narrow, beta, TIME))
-    x = np.linspace(0.0, 1.5, 31)[1:]
-    peaks = []
-    for rest in (1e2, 1e4, 1e6):
-
-        def left(x, since):
-            return narrow.sf(x / growth(beta, since + x / velocity))
-
-        # breaks of the first contacts from piece to piece, and those born there, none of which breaks twice
-        edges = np.linspace(0.0, 1.5, 1501)
-        broken = -np.diff(left(edges, rest))
-        beyond = np.maximum(x[:, None] - 0.5 * (edges[1:] + edges[:-1]), 0.0)
-        exact = x * left(x, rest) + (beyond * left(beyond, 0.0)) @ broken
-        times = np.concatenate([[0.0, rest], rest + x / velocity])
-        path = np.concatenate([[0.0, 0.0], x])
-        found = eq_model.simulate(contacts, path, time=times, n_contacts=30_000, seed=2)
-        peaks.append(found.force.max())
-        assert np.abs((found.force[2:] - exact) / found.force_error[2:]).max() < 4.0
-        shifted = np.interp(x, x * 1.02, exact)  # a growth by 2 % more would be seen
-        assert np.abs((found.force[2:] - shifted) / found.force_error[2:]).max() > 8.0
-    rises = np.diff(peaks) / np.log(100.0) / peaks[0] * growth(beta, 1e2)
-    np.testing.assert_allclose(rises, beta, rtol=0.1)
-
-
 PLACES = np.array([0.9, 1.4, 0.2, 0.2, -1.1, -1.1, 0.6, 2.5])
 TIMES = np.array([9.0, 9.5, 21.5, 400.0, 413.0, 413.4, 430.4, 630.0])
 

@@ -197,19 +197,6 @@ def test_of_other_readings_in_heat_it_is_told_whether_they_slip(capsys: Any) -> 
             assert one["after"] == pytest.approx(kinetic, rel=1e-4)
 
 
-@pytest.mark.slow  # quick: mass and delay decide, and heat beside a heavy slider, below
-def test_a_mass_decides_in_heat(capsys: Any) -> None:
-    """It slides on at F_k(v) + γ v, and no slip rule is asked for."""
-    heat = {"law": "soft", "temperature": 0.01}
-    contacts = {"thresholds": {"kind": "gaussian", "mean": 1.0, "std": 0.2}, "thermal": heat}
-    drive = {"spring": 1.0, "mass": 0.1, "damping": 0.5}
-    status, _, found = judged(capsys, contacts=contacts, drive=drive)
-    (own,) = found["readings"]
-    (alone,) = own["behaviours"]
-    assert status == 0 and (alone["rule"], alone["kind"]) == ("mass", "smooth")
-    assert alone["after"] == pytest.approx(own["kinetic"]["value"] + 0.5, abs=2e-3)
-
-
 @pytest.mark.slow  # quick: what the solver refuses, in test_verdict_page.py
 def test_a_mass_that_is_not_followed_is_told_in_words(capsys: Any, monkeypatch: Any) -> None:
     monkeypatch.setattr(judge, "RULES", ("reset",))  # of those without mass, one will do
