@@ -30,6 +30,7 @@ from tests.verdicts import (
     WIDE,
     infinite,
     judged,
+    raising,
     reading,
     rigid,
     text_of,
@@ -331,10 +332,7 @@ def test_the_ensemble_takes_over_where_the_master_equation_does_not_end(
         "delay": {"time": 10.0},
     }
 
-    def refused(*arguments: Any, **named: Any) -> None:
-        raise InputError("mass: not in time")
-
-    monkeypatch.setattr(master, "solve", refused)
+    monkeypatch.setattr(master, "solve", raising(InputError("mass: not in time")))
     monkeypatch.setattr("toolkit.verdict.sliders.ensemble.CONTACTS", 5000)
     _, page, found = judged(capsys, contacts=contacts, drive=drive)
     (slips,) = found["readings"][0]["behaviours"]
@@ -353,10 +351,7 @@ def test_the_ensemble_takes_over_where_the_master_equation_does_not_end(
 def test_what_is_regained_over_a_long_delay_is_not_told(capsys: Any, monkeypatch: Any) -> None:
     """The drive goes on by 4 % of the period in it, and loads no spring."""
 
-    def refused(*arguments: Any, **named: Any) -> None:
-        raise InputError("mass: not in time")
-
-    monkeypatch.setattr(master, "solve", refused)
+    monkeypatch.setattr(master, "solve", raising(InputError("mass: not in time")))
     monkeypatch.setattr("toolkit.verdict.sliders.ensemble.CONTACTS", 5000)
     drive = {"spring": 1e-3, "mass": 1e-3, "damping": 1e-4}
     wait = {"thresholds": {"kind": "gaussian", "mean": 1.0, "std": 0.2}, "delay": {"time": 30.0}}
@@ -493,9 +488,7 @@ def test_an_interrupted_verdict_tells_what_is_known(
     """Of a slip rule, the number of contacts or the last reading; before anything is known nothing is written."""
     status, word = (130, "interrupted") if stop is KeyboardInterrupt else (143, "terminated")
 
-    def ends(*arguments: Any, **named: Any) -> Any:
-        raise stop
-
+    ends = raising(stop)
     drive = {"spring": "0.5 N_c<k>", "area": 1e-9, "velocity": 1e-6}
     given: dict[str, Any] = {"contacts": STATED, "drive": drive, "verdict": RESET}
     parts = {"follow_contacts": "before it was followed", "follow_finite": "before it was followed"}
@@ -920,9 +913,7 @@ def test_what_is_found_in_time_is_told(capsys: Any, monkeypatch: Any) -> None:
     samples = np.random.default_rng(1).normal(1.0, 0.2, 40).tolist()
     tables = {"thresholds": {"kind": "from-samples", "x_s": samples}, "drive": {"spring": 0.5}}
 
-    def late(*arguments: Any, **named: Any) -> None:
-        raise TimeIsUp
-
+    late = raising(TimeIsUp)
     monkeypatch.setattr(uncertainty, "of_resampled", late)
     _, page, found = judged(capsys, verdict=RESET, **tables)
     assert page.splitlines()[2].startswith("stick-slip") and "other samples" in page
@@ -949,10 +940,7 @@ def test_a_page_is_written_of_what_is_known_where_f_s_is_too_late(
 ) -> None:
     """K* is infinite as they break together, and F_s is what takes long."""
 
-    def late(*arguments: Any, **named: Any) -> None:
-        raise TimeIsUp
-
-    monkeypatch.setattr(master, "propensity", late)
+    monkeypatch.setattr(master, "propensity", raising(TimeIsUp))
     tables = {"thresholds": law, "drive": {"spring": 0.5}, "master": None, "wall_time": 1e4}
     status, page, found = judged(capsys, **tables)
     (reading,) = found["readings"]
@@ -969,10 +957,7 @@ def test_a_page_is_written_of_what_is_known_where_f_s_is_too_late(
 def test_what_takes_long_is_named_where_f_s_of_growing_thresholds_is_too_late(
     capsys: Any, monkeypatch: Any
 ) -> None:
-    def late(*arguments: Any, **named: Any) -> None:
-        raise TimeIsUp
-
-    monkeypatch.setattr(master, "propensity", late)
+    monkeypatch.setattr(master, "propensity", raising(TimeIsUp))
     contacts = {"thresholds": GAUSSIAN} | GROWING
     _, page, found = judged(capsys, contacts=contacts, drive={"velocity": 1.0})
     assert "grow and break by heat may take minutes: raise wall_time" in page
@@ -1006,10 +991,8 @@ def test_without_time_a_slider_that_forgets_its_start_slides_at_the_kinetic_forc
 def test_a_refused_slider_is_told_without_a_path_to_give_and_with_units(monkeypatch: Any) -> None:
     why = "contacts form too often in a slip that lasts some 2.3"
 
-    def refused(*arguments: Any, **named: Any) -> None:
-        raise InputError(f"delay = 1: {why}; take eq_model.simulate, or end the path before 0.4")
-
-    monkeypatch.setattr(master, "solve", refused)
+    end = "take eq_model.simulate, or end the path before 0.4"
+    monkeypatch.setattr(master, "solve", raising(InputError(f"delay = 1: {why}; {end}")))
     heavy = replace(SOFT, mass=1.0, damping=0.1)
     found = follow(heavy, WIDE, "mass", RigidSlider(0.8, 0.5, 0.0, 3.0, 1.0), wall_time=10.0)
     assert found.kind == "undecided" and found.message == why
@@ -1184,10 +1167,7 @@ def test_contacts_that_stand_for_infinitely_many_are_told_of_once(
 ) -> None:
     """All contacts of the area tell the slips where the master equation does not: one force, one period, one line."""
 
-    def refused(*arguments: Any, **named: Any) -> None:
-        raise InputError("path: not in time")
-
-    monkeypatch.setattr(master, "solve", refused)
+    monkeypatch.setattr(master, "solve", raising(InputError("path: not in time")))
     drive = {"spring": "10 N/m", "area": 4e-9, "velocity": 1e-6}
     verdict = {"rules": ["reset", "reform-after"]}
     _, page, found = judged(capsys, contacts=STATED, drive=drive, verdict=verdict)

@@ -10,6 +10,7 @@ from conftest import slow
 import eq_model
 import master
 from origins import Ageing, Contacts, Delay, InputError, Thermal, gaussian, strengthening
+from tests.verdicts import raising
 from toolkit.verdict.sliders.budget import MOST_BREAKS_IN_TIME, may_follow, most_breaks
 from toolkit.verdict.sliders.ensemble import NOT_SLID, PILOT, sliders
 from toolkit.verdict.sliders.finite import follow_finite
@@ -77,10 +78,7 @@ def test_growing_contacts_are_followed_in_place_of_infinitely_many(
 ) -> None:
     """Where the master equation takes no such slider; with heat beside them, too, by which they slip from less."""
 
-    def refused(*arguments: Any, **named: Any) -> None:
-        raise InputError("mass: takes 8001 steps")
-
-    monkeypatch.setattr(master, "solve", refused)
+    monkeypatch.setattr(master, "solve", raising(InputError("mass: takes 8001 steps")))
     monkeypatch.setattr("toolkit.verdict.sliders.ensemble.CONTACTS", number)
     waiting = GROWING.replace(delay=Delay(1.0))
     told = follow(HEAVY, waiting, "mass", KNOWN, 1e4)
@@ -102,15 +100,12 @@ def test_fewer_contacts_that_are_late_cost_no_verdict(monkeypatch: Any) -> None:
     """By a thousand it is told how much earlier the others slip than infinitely many. Where they are not followed in
     time the others' own force bounds that; their refusal ended the whole verdict."""
 
-    def refused(*arguments: Any, **named: Any) -> None:
-        raise InputError("mass: takes 8001 steps")
-
     def late(machine: Any, contacts: Any, rule: str, path: Any, number: int, *rest: Any) -> Any:
         if number == PILOT:
             raise InputError("1,000 contacts take more than 2 s: raise wall_time")
         return sliders(machine, contacts, rule, path, number, *rest)
 
-    monkeypatch.setattr(master, "solve", refused)
+    monkeypatch.setattr(master, "solve", raising(InputError("mass: takes 8001 steps")))
     monkeypatch.setattr("toolkit.verdict.sliders.ensemble.CONTACTS", 4000)
     monkeypatch.setattr("toolkit.verdict.sliders.ensemble.sliders", late)
     told = follow(HEAVY, GROWING.replace(delay=Delay(1.0)), "mass", KNOWN, 1e4)

@@ -1,6 +1,7 @@
 """What tests of verdicts share: sliders as solvers tell them, and verdicts on these that follow none."""
 
 import json
+from collections.abc import Callable
 from dataclasses import replace
 from pathlib import Path
 from typing import Any
@@ -90,6 +91,15 @@ def rigid(contacts: Contacts) -> RigidSlider:
     static = found.static_to_kinetic * steady.force
     springs = found.critical_spring, found.decoherence_length
     return RigidSlider(static, steady.force, 1e-9, *springs)
+
+
+def raising(error: BaseException | type[BaseException]) -> Callable[..., Any]:
+    """What raises this, whatever it is given: in place of a solver."""
+
+    def raises(*_: Any, **__: Any) -> Any:
+        raise error
+
+    return raises
 
 
 def judged(capsys: Any, **tables: Any) -> tuple[int, str, dict[str, Any]]:
