@@ -613,7 +613,8 @@ def test_an_island_in_another_unit_than_its_substrate_is_refused(unit: str | Non
         toolkit.load_scene({"contacts": {"thresholds": law}}, solved=False)
         return
     with pytest.raises(
-        InputError, match=r"2.88 from the next, on a substrate of period 2.*unit = "
+        InputError,
+        match=r"2.88 from the next, on a substrate whose rows are 2.13e-10 apart.*unit = ",
     ):
         toolkit.load_scene({"contacts": {"thresholds": law}}, solved=False)
 

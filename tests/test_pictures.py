@@ -171,6 +171,18 @@ def test_comparison_in_newtons_has_the_machines_springs_and_forces_that_differ_b
     assert said == ["$K^*$: slips at least once on softer springs", "the machine's spring"]
 
 
+def test_a_comparison_promises_no_slip_of_a_slider_with_mass() -> None:
+    """Below K* a verdict on one may tell smooth sliding, where the comparison said that it slips."""
+    for mass, light in ({}, ""), ({"mass": 1e-2, "damping": 1e-2}, " without mass"):
+        drive = {"to": 2.0, "points": 5, "spring": 0.1} | mass
+        compared = compare([toolkit.load_scene(scene(GAUSSIAN | {"std": 0.2}, drive=drive))])
+        (line,) = [one for one in table(compared) if one.startswith("K*: ")]
+        assert f"a slider{light} on a softer spring slips at least once" in line
+        assert ("with a mass the balance is unstable" in line) == bool(mass)
+        springs = draw_comparison(compared).axes[1].get_legend().get_texts()[0].get_text()
+        assert ("without mass slips" in springs) == bool(mass)
+
+
 def test_curves_are_of_colours_by_okabe_and_ito_and_of_different_marks() -> None:
     styles = [style_of(number) for number in range(12)]
     assert {one["color"] for one in styles} <= set(OKABE_ITO)

@@ -704,7 +704,8 @@ def test_the_command(capsys: Any, tmp_path: Path, monkeypatch: pytest.MonkeyPatc
     assert Path("mine-output/rate-state.png").stat().st_size > 10_000
     contacts = {"thresholds": ROUGH}
     file = write(master=None, contacts=contacts, drive=drive)
-    assert refused(capsys, "rate-state", file).startswith("contacts: a = b = 0")
+    told = refused(capsys, "rate-state", file)
+    assert told.startswith("contacts: a = b = 0") and "[contacts.thermal] law = " in told
 
 
 @pytest.mark.slow  # some 20 s

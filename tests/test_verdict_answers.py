@@ -81,7 +81,7 @@ def test_the_first_slip_of_a_mass_has_its_forces(kind: str) -> None:
         line for line in page(told(first, machine=HEAVY)) if line.startswith("first slip (mass)")
     ]
     assert len(rows) == 1
-    assert rows[0].split(maxsplit=3)[-1] == "0.610 N_c<k>·length down to -0.300 N_c<k>·length"
+    assert rows[0].split(maxsplit=3)[-1] == "0.6100 N_c<k>·length down to -0.3000 N_c<k>·length"
     ends = later["before"], later["after"]
     alike = replace(first, in_time=SlipsOfMass(first_forces=ends))
     unknown = replace(first, in_time=replace(begins, first_error=0.5))

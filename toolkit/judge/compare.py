@@ -75,7 +75,8 @@ class ComparedScene:
     it; those `left_out` have a reason. `evidence` is the ensemble's: its force over the exact F_k, with one standard
     error, where the master equation's force is largest (its own, without [master]), the master's there, and the
     largest difference of both over the path in standard errors, or why there is none; None without [eq]. `of_a_scan`
-    tells whether its thresholds are those of one patch of a surface, which leave K* two digits.
+    tells whether its thresholds are those of one patch of a surface, which leave K* two digits; `mass`, whether its
+    slider has one, of which K* promises no slip.
     """
 
     name: str
@@ -87,6 +88,7 @@ class ComparedScene:
     found: Description
     result: Result
     of_a_scan: bool = False
+    mass: bool = False
 
     @property
     def own(self) -> Read:
@@ -178,6 +180,7 @@ def _judge(scene: Scene, comm: Any, progress: bool) -> ComparedScene:
         found=found,
         result=result,
         of_a_scan=of_a_scan(scene.contacts.thresholds),
+        mass=(scene.drive_table or DriveTable()).mass is not None,
     )
 
 

@@ -1,6 +1,6 @@
 """The comparison of scenes as lines of text."""
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterator, Sequence
 
 import numpy as np
 
@@ -17,8 +17,7 @@ PRECISE = 1e-3
 # heads of the columns, in the order of SHOWN and of the ensemble's evidence, and what each means
 _HEADS = {
     "power m": "power m: P_c ~ x^m at small thresholds x",
-    "K*/(N_c<k>)": "K*: steepest fall of the force, a slider on a softer spring slips at least once; "
-    "N_c<k>: stiffness of all contacts",
+    "K*/(N_c<k>)": "N_c<k>: stiffness of all contacts",
     "F_s/F_k": "F_s, F_k: static and kinetic friction",
     "X*/<x_s>": "X*: way on which contacts forget that they started together; <x_s>: mean threshold",
     "F_k/(N_c<k><x_s>)": "",
@@ -96,9 +95,21 @@ def table(compared: Sequence[ComparedScene]) -> list[str]:
     head, *lines = in_columns(rows, ">")
     first = [*disagreements(compared), *undecided_order(compared)]
     meant = (_HEADS | _EVIDENCE).get
-    said.insert(0, "; ".join(filter(None, (meant(name) for name in head_names))))
+    meanings = [meant(name) for name in head_names]
+    said.insert(0, "; ".join(filter(None, [*_of_critical_spring(compared), *meanings])))
     said.append(f"run times: {', '.join(times)}")
     return [*first, head, "-" * len(head), *lines, *said]
+
+
+def _of_critical_spring(compared: Sequence[ComparedScene]) -> Iterator[str]:
+    """What K* tells of these scenes' sliders."""
+    # of contacts that depend on time a slider may creep on softer springs, and slide smoothly
+    in_time = any(one.conditions for one in compared)
+    yield f"K*: steepest fall of the force{' of a rigid slider' * in_time}"
+    if not in_time:
+        yield f"a slider{' without mass' * any(one.mass for one in compared)} on a softer spring slips at least once"
+    if any(one.mass for one in compared):
+        yield "with a mass the balance is unstable somewhere on a softer spring, and it slips or slides: see verdict"
 
 
 def _writer_of(scene: ComparedScene) -> Callable[[float, str, float], str]:
@@ -138,8 +149,9 @@ def disagreements(compared: Sequence[ComparedScene]) -> list[str]:
         slip = [one.name for one in decided if one.softer]
         if 0 < len(slip) < len(decided) and scene.own.softer is not None:
             own = "slips" if scene.own.softer else "does not slip"
+            whose = "a slider without mass" if scene.mass else "a slider"
             said.append(
-                f"{scene.name}: readings disagree on stick-slip: on its spring a slider slips by {len(slip)} of "
+                f"{scene.name}: readings disagree on stick-slip: on its spring {whose} slips by {len(slip)} of "
                 f"{len(decided)} readings; by its own, {scene.own.name}, it {own}"
             )
     return said

@@ -206,6 +206,8 @@ def _spring(axes: Any, row: int, one: _Styled) -> None:
 def _legend_of_springs(axes: Any, styled: list[_Styled], machines: bool) -> None:
     """What marks, lines and dashes of the springs are."""
     said = "slips at least once on softer springs"
+    if any(one.scene.mass for one in styled):
+        said = "balance unstable somewhere on softer springs, without mass slips at least once"
     # of contacts that depend on time a slider may creep on softer springs, and slide smoothly
     if any(one.scene.conditions for one in styled):
         said = "steepest fall of a rigid slider's force"

@@ -6,6 +6,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from master import RateState
+from origins.errors import InputError
 from toolkit.scene.scale import Scale
 from toolkit.scene.scene import Scene
 
@@ -45,6 +46,11 @@ def judge(
         title = scene.title or scene.name
         return Judged(scene.name, title, scene.scale, found, mean, spring, error)
 
+    if not scene.contacts.in_time:
+        why = "contacts: a = b = 0: their force does not depend on the speed"
+        raise InputError(
+            f'{why}; give them a law in time, such as [contacts.thermal] law = "eyring", width = 0.03'
+        )
     contacts, velocity, mean = scene.contacts, scene.sliding, scene.contacts.mean_threshold
     rests = mean / velocity * np.geomspace(SHORTEST_REST, LONGEST_REST, RESTS)
     found = master.rate_state(

@@ -80,8 +80,8 @@ def _check_lengths(island: Any, substrate: origins.Substrate) -> None:
     apart = float(np.linalg.norm(points[1:] - points[0], axis=1).min())
     if not periods.min() / OTHER_UNIT <= apart <= OTHER_UNIT * periods.max():
         raise InputError(
-            f"domains: the island's first atom is {apart:.3g} from the next, on a substrate of period "
-            f"{periods.max():.3g}: "
+            f"domains: the island's first atom is {apart:.3g} from the next, on a substrate whose rows are "
+            f"{periods.max():.3g} apart: "
             'one is in another unit; give island the unit of its file, such as unit = "Å"'
         )
 

@@ -29,7 +29,7 @@ def of_units(law: Thresholds) -> list[str]:
     elif sampled_parts(law):
         keys = "unit of the samples (m where none is given)"
     elif isinstance(surface, Interface):
-        keys = "the surface's unit, material and pressure in Pa"
+        keys = "the surface's unit, pressure and moduli in Pa, and local_friction"
     else:
         keys = "lengths in m"
     if surface is not None and not isinstance(surface, Interface):

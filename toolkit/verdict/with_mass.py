@@ -170,14 +170,17 @@ def swings_for(machine: Machine) -> float:
 
 def rests_after(found: Behaviour, machine: Machine) -> float:
     """Seconds since the first slip began after which the slider rests, up to where its panel ends: it goes on by less
-    than RESTS of the slip's way in a slip's time; nan where it still moves there."""
+    than RESTS of the slip's way in a slip's time, and not before the time that the page tells of a slip; nan where it
+    still moves there."""
     seconds, moved = in_its_own_time(found, machine)
     lasts = found.in_time.slip_time or np.inf
     # for each time how far it has gone on, or back, since as long before it
     steps = np.abs(moved - np.interp(seconds - lasts, seconds, moved))
     moving = np.flatnonzero(steps > RESTS * float(np.ptp(moved)))
     last = int(moving[-1]) if moving.size else 0
-    return float(seconds[last] - lasts) if seconds[-1] - seconds[last] > lasts else float("nan")
+    if seconds[-1] - seconds[last] <= lasts:
+        return float("nan")
+    return max(float(seconds[last] - lasts), lasts)
 
 
 def _solved(

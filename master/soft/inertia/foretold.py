@@ -39,9 +39,12 @@ def _critical_damping(drive: Drive) -> float:
 
 
 def enough_damping(drive: Drive) -> str:
-    """A damping that lets no slider ring for long, in words."""
+    """A damping that lets no slider ring for long, in words; with a warning where mass and spring would not swing with
+    it, as then the damping decides what the slider does."""
     asked = 0.01 * _critical_damping(drive)
-    return f"a hundredth of the critical one of a slider that sticks is {asked:.3g}"
+    critical = 2.0 * float(np.sqrt(float(drive.spring or 0.0) * float(drive.mass or 0.0)))
+    other = f", {asked / critical:.2g} times that of mass and spring: another machine"
+    return f"a hundredth of the critical one of a slider that sticks is {asked:.3g}{other * (asked > critical)}"
 
 
 def _usual_damping(drive: Drive) -> str:

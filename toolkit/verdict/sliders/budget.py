@@ -46,7 +46,9 @@ NO_DAMPING = "no damping is given"
 # what a solver says of a slider that swings on, as its damping is small, without the advice on the path
 _SWINGS = re.compile(r"; sliding swings.*?, if the machine has that")
 # what it says of one that rings while it sticks
-_LARGER = re.compile(r"[;,] (?:or )?give a larger damping \(.*? is ([^ )]+)\)")
+_LARGER = re.compile(
+    r"[;,] (?:or )?give a (?:larger damping|damping, or a larger one) \(.*? is ([^ ),]+)[^)]*\)"
+)
 # parts of the time for the contacts of the area, see `part_of_sliders`
 NEARLY_ALL, OF_SLIDERS, LESS = 0.9, 0.5, 0.3
 # s by which the pace is smoothed, as that of the first moments says little

@@ -276,6 +276,7 @@ def by_distribution(
         swings = kind_of(solved) == "smooth" and length < settled
         asked = machine.velocity, contacts.mean_threshold, STILL_SWINGS if swings else ""
         found = replace(behaviour_of(rule, solved, *asked), cut=solved.path.size < path.size)
+        found = replace(found, message=without_useless_damping(found.message, machine))
         # where heat is left out its bound alone misses the tolerance, and a longer path is no harder
         cold = (
             found.heat_left_out is not None

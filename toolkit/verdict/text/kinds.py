@@ -167,7 +167,17 @@ def what_decides(verdict: Verdict) -> str:
         return ""
     each = ["what contacts do in a slip"] * (len({in_a_word(one) for one in own.behaviours}) > 1)
     each += ["the reading of the surface"] * bool(elsewhere)
-    return f"{' and '.join(each)} decide{'s' * (len(each) == 1)}"
+    lost = (
+        "not decided, as the slider with its mass was not followed: without it "
+        * lost_with_mass(own)
+    )
+    return f"{lost}{' and '.join(each)} decide{'s' * (len(each) == 1)}"
+
+
+def lost_with_mass(own: Answer) -> bool:
+    """Whether nothing is known of a slider with mass, and all slip rules tell what it would do without it."""
+    unknown = [one for one in own.behaviours if one.kind == "undecided"]
+    return [one.rule for one in unknown] == ["mass"] and not unknown[0].slips
 
 
 def not_decided(verdict: Verdict) -> list[Answer]:

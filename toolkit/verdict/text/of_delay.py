@@ -11,7 +11,7 @@ from toolkit.verdict.answers import Answer, Verdict
 from toolkit.verdict.of_area import counted, disagreeing, verb
 from toolkit.verdict.readings import STRETCHED
 from toolkit.verdict.sliders.budget import HOW_TO_GIVE_MORE_TIME
-from toolkit.verdict.sliders.machine import NAMED, RULES
+from toolkit.verdict.sliders.machine import NAMED, RULES, critical_damping
 from toolkit.verdict.sliders.records import Behaviour
 from toolkit.verdict.sliders.steady import friction_decides, unstable_delays
 from toolkit.verdict.slips_in_words import does
@@ -200,7 +200,12 @@ def _what_decides(own: Answer) -> str:
         if followed.refused:
             give = ", for the reason told here"
         if _RINGS in followed.message:
-            give = f"; give {'a larger damping' if own.machine.damping else 'drive.damping'}"
+            # with a larger one mass and spring would not swing: another machine
+            most = critical_damping(own.machine) * own.scale.spring
+            give = (
+                f"; give {'a larger damping' if own.machine.damping else 'drive.damping'}, below "
+            )
+            give += f"{written(most, own.scale.damping_unit)}, the critical one"
         said = f"That is without the mass: the slider with it, which would decide, was not followed{give}"
         return said + short_and_long(own) * (not delay)
     give = (

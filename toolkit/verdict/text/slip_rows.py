@@ -155,7 +155,7 @@ def _first_slip(verdict: Verdict, behaviour: Behaviour) -> str:
     high, low = (
         with_scatter(one * scale.force, shown, scale.force_unit)
         if shown
-        else written(one * scale.force, scale.force_unit, off)
+        else guarded(one * scale.force, scale.force_unit, off, is_vague(verdict))
         for one in (before, after)
     )
     return falls(high, low, (before - after) * scale.force, scale.force_unit)

@@ -38,6 +38,7 @@ from toolkit.verdict.text.kinds import (
     in_a_word,
     larger_slips,
     long_delay_of,
+    lost_with_mass,
     named,
     not_decided,
     of_damping,
@@ -145,6 +146,8 @@ def turned(verdict: Verdict) -> list[str]:
 def _kinds(verdict: Verdict) -> list[str]:
     """What happens under which rule of the own reading, else by that reading and by the others."""
     groups = _groups(verdict.own)
+    if lost_with_mass(verdict.own):  # which stands before all this
+        del groups["not decided"]
     if len(groups) > 1:
         own = [f"{kind} if {_rules(alike)}" for kind, alike in groups.items()]
     else:
