@@ -4,10 +4,11 @@ import time
 
 import numpy as np
 import pytest
-from scipy import stats
+from scipy import integrate, optimize, stats
 
 import master
 import origins
+from master.soft.inertia import slider
 from master.soft.inertia.delayed import swinging
 from master.soft.inertia.delayed.panel import PLACES, TimePanel
 from master.soft.inertia.delayed.past_breaks import PastBreaks
@@ -68,3 +69,29 @@ def test_when_a_share_is_born() -> None:
 def test_what_contacts_release_up_to_a_stretch() -> None:
     survival = Survival(origins.rectangular(0.0, 2.0))
     assert survival.released(0.6) == pytest.approx(0.6**3 / 12.0)
+
+
+@pytest.mark.slow
+def test_what_the_first_run_found_is_told_where_a_finer_one_rings_for_too_long(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    """Without damping the start of the drive rings, at a tolerance of which it is no rest, for thousands of turns. A
+    coarser run tells the error of the slip, whose begin is known: F_s = X - ∫ y P_c(y) dy, where F' = -K."""
+    monkeypatch.setattr(slider, "MOST_TURNS", 300)  # 3,000 take 4 s
+    spring = 1e-2
+    law, time_of_slip = stats.norm(1.0, 0.2), 100.0
+    mass = spring * (time_of_slip / np.pi) ** 2
+    speed = 1e-4 * (0.68981939 - 0.52) / (spring * mass) ** 0.5
+    end = 0.68981939 / spring + 1.0 + 1.6 * speed * time_of_slip
+    contacts = origins.Contacts(origins.gaussian(1.0, 0.2))
+    machine = {"spring": spring, "mass": mass, "velocity": speed}
+    found = master.solve(contacts, [end], 1e-5, **machine)
+    assert not found.success and "rings for too long" in found.message
+    begin = optimize.brentq(lambda x: x * law.pdf(x) - 1.0 - spring, 0.5, 0.9)
+    force = begin - integrate.quad(lambda x: x * law.pdf(x), 0.0, begin)[0]
+    slips = found.slips
+    assert slips.drive.size == 1 and 1e-5 < found.force_error < 1e-3
+    assert abs(slips.force_before[0] - force) < found.force_error
+    assert abs(slips.drive[0] - begin - force / spring) < slips.drive_error
+    # half a swing on the spring alone, in units of 2 (F_s - F_k)
+    assert slips.drop[0] == pytest.approx(2.0 * (force - 0.52), rel=1e-3)

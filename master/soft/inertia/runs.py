@@ -23,6 +23,8 @@ from origins.drive import Drive
 # Tolerances of the runs, in units of the one that is asked for: each run shows the error of the one before, and errors
 # fall about in proportion.
 TOLERANCES = 10.0, 2.0, 0.4, 0.08, 0.016
+# And of a run by which the first is judged where a finer one is stopped, in units of that of the first: as far apart.
+COARSER = 5.0
 # Parts of a run's tolerance that both runs may miss alike, so that their difference does not show them: panels, forces
 # taken as those of contacts of which none breaks or of steady breaks, and ringing that is taken as rest.
 UNSEEN = OF_PANELS + ALIKE + QUIET
@@ -97,6 +99,13 @@ class Runs(NamedTuple):
         return energy_errors(changes, ours, unseen, ways)
 
 
+def _errors(differ: Differences, allowed: float) -> Differences:
+    """Errors of a run of the tolerance `allowed` (mean thresholds), which differs from another by so much."""
+    unseen, least = UNSEEN * allowed, LEAST_ERROR * allowed
+    errors = Differences(*(max(SAFETY * off + unseen, least) for off in differ))
+    return errors._replace(holding=min(max(errors.holding, LEAST_OF_SHARE * allowed), 1.0))
+
+
 def run_ever_finer(
     contacts: Contacts,
     drive: Drive,
@@ -135,13 +144,16 @@ def run_ever_finer(
         nodes, stopped = nodes + run.nodes, run.stopped
         if not stopped:
             best, coarser = run, before
-            unseen, least = UNSEEN * part * sought, LEAST_ERROR * part * sought
-            differ = best.differ(before, earlier)
-            errors = Differences(*(max(SAFETY * off + unseen, least) for off in differ))
-            share = max(errors.holding, LEAST_OF_SHARE * part * sought)
-            errors = errors._replace(holding=min(share, 1.0))
-            parting = run.parting(before, (sought - unseen) / SAFETY)
+            errors = _errors(best.differ(before, earlier), part * sought)
+            parting = run.parting(before, (sought - UNSEEN * part * sought) / SAFETY)
             progress(errors.force)
+    if stopped and coarser is best and not best.stopped:
+        # what the first run has found is told by the error of a coarser one, which is larger
+        allowed = COARSER * first * coarsest
+        run = Run(contacts, drive, sought, allowed / sought, until)
+        nodes += run.nodes
+        if not run.stopped:
+            coarser, errors = run, _errors(best.differ(run), allowed)
     factor = EXACT_SAFETY if mixed else 1.0
     errors = Differences(*(factor * error for error in errors))
     return Runs(best, coarser, errors, nodes, stopped, parting, factor)
