@@ -104,7 +104,8 @@ class Slider:
                 end = min([*contacts.past_breaks.pending, last])
                 self.begin_section(leg, end)
                 if self.slide(end):
-                    self._pace.at_slip(self.sections)
+                    drops = [abs(slip.force_before - slip.force_after) for slip in self.slips]
+                    self._pace.at_slip(self.sections, drops)
                     self.slip(self._drive_position())
                     self._stop_if_too_many_steps(last)
                     self.remember_if_new(new_since)
