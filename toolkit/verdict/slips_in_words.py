@@ -175,7 +175,7 @@ def period_with_scatter(verdict: Verdict, finite: Finite) -> tuple[str, str]:
     known = 0.0 < error < np.inf
     every, later = _with_error(verdict, period, error) if known else period_of(verdict, period)
     unit = verdict.own.scale.length_unit
-    return every + _scatter(finite.periods, error, period, unit), later
+    return every + _scatter(finite.periods, error if known else 0.0, period, unit), later
 
 
 def _with_error(verdict: Verdict, period: float, error: float) -> tuple[str, str]:
