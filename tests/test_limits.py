@@ -25,6 +25,9 @@ WARM_EXACT = origins.Contacts(origins.identical(1.0), thermal=HOT.thermal)
 WARM_AGEING = AGEING.replace(thermal=HOT.thermal)
 HEAVY: dict[str, Any] = {"spring": 1.0, "mass": 0.1, "damping": 0.1}
 FEW: dict[str, Any] = {"n_contacts": 50, "n_replicas": 2, "seed": 1}
+GROWING = origins.Contacts(origins.strengthening(origins.gaussian(1.0, 0.2), beta=1e-9, time=1.0))
+SOFT: dict[str, Any] = {"spring": 1.0, "slip": "instant"}
+LONG = [0.0, 1.5e8]  # 7.5e9 breaks of 50 contacts
 
 # words of the row, the call that it tells of, and a part of its refusal
 REFUSED: list[tuple[str, Callable[[], object], str]] = [
@@ -34,6 +37,8 @@ REFUSED: list[tuple[str, Callable[[], object], str]] = [
     ("`mass` in heat, ageing", lambda: master.solve(PLAIN.replace(reforming=-0.2), [1e4], **HEAVY), "steps of time"),
     ("with another law than a delay", lambda: master.solve(WARM_EXACT, PATH, **HEAVY), "a width"),
     ("`mass` and linked stiffness", lambda: master.solve(LINKED, PATH, **HEAVY), "stiffness"),
+    ("5e9 with growth", lambda: eq_model.simulate(GROWING, LONG, **SOFT, **FEW), "than 5e+09"),
+    ("7e9 with `mass`", lambda: eq_model.simulate(GROWING, LONG, **HEAVY, **FEW), "most 7e+09"),
     ("ageing with heat", lambda: master.solve(WARM_AGEING, PATH), "use eq_model"),
     ("growing grains with heat on a path", lambda: master.solve(WARM_GRAINS, [0.0, 1.0, -1.0]), "use eq_model"),
     ("begins above 0 or ends", lambda: origins.Ageing(origins.rectangular(0.5, 1.0), 1e-3), "ends at"),
