@@ -12,20 +12,23 @@ from origins.errors import between, finite_array, non_negative, one_of, refuse
 Array = npt.NDArray[np.float64]
 SlipRule = Literal["reset", "reform-after", "instant"]
 
-# A slip of a slider with mass is a swing down of the spring's force that ends a stick, from a maximum to a minimum
-# between which it does not rise by RISE, or by what chance does to few contacts (`eq_model.coupled.mass.chance`). The
-# slider sticks where the force rises by RISE while it stays within ROOM, enough contacts hold it, and at most
+# A slip of a slider with mass, of both solvers, is a swing down of the spring's force that ends a stick: from a maximum
+# to a minimum, where rises and falls below RISE, or below what chance does to few contacts
+# (`eq_model.coupled.mass.chance`), do not count.
+# The slider sticks where the force rises by RISE while it stays within ROOM, enough contacts hold it, and at most
 # SLIP_FRACTION of these break. From where it last stuck to the end of the swing at least SLIP_FRACTION of those break,
 # and of those that hold in steady sliding at the drive's speed, and the slider gets FASTER times as fast as the drive.
-# Enough are in the ensemble RISE of all contacts, as fewer cannot raise the force by as much (each holds a mean
-# threshold). The master equation has no chance: its swings end at the first minimum, enough are SLIP_FRACTION of all
-# contacts, and so many of all have to break, too.
+# Enough are RISE of all contacts, as fewer cannot raise the force by as much (each holds a mean threshold), and of
+# those that held it before SLIP_FRACTION.
 # Of the force, in mean thresholds; and the least share of the contacts that can raise it by as much.
 RISE = 0.02
 # In mean thresholds: contacts that hold are stretched from -1 to 1 of them at most.
 ROOM = 2.0
 # A slider that stuck and swings freely beyond the drive gets twice as fast as this.
 FASTER = 1.5
+# Share of a swing below which a second minimum does not count as lower: a slider that no contact holds comes close to
+# the force of its damping again and again, and the swing has ended where it first does.
+LOWER = 1e-3
 # Fewest breaks in a slip, per contact that held before: below it some weak contacts break, and the others hold.
 SLIP_FRACTION = 0.2
 

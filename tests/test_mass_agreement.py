@@ -58,11 +58,6 @@ def asked(law: str, **numbers: float) -> dict[str, Any]:
     return {"contacts": contacts, "path": [pulled.ends[delay > 0.0]]} | machine
 
 
-# Slips that are compared where an undamped slider rings while contacts come back: they hold it for a moment at each
-# turn, and both solvers differ in which turns are sticks.
-RINGING = {("lubricated", 0, 3.0): 1, ("persson", 0, 3.0): 2}
-
-
 @pytest.mark.parametrize("law, damped, delay, fewer", [QUICK, *(slow(*case, 1) for case in CASES)])
 def test_both_solvers_have_the_same_slips(law: str, damped: int, delay: float, fewer: int) -> None:
     damping = DAMPED * damped * 2.0 * (PULLED[law].spring * MASS) ** 0.5
@@ -76,9 +71,7 @@ def test_both_solvers_have_the_same_slips(law: str, damped: int, delay: float, f
         for n, many in zip(SIZES.tolist(), replicas.tolist(), strict=True)
     ]
     # so many contacts slip as often as infinitely many
-    rings = (law, damped, delay) in RINGING
-    count = RINGING.get((law, damped, delay), count)
-    assert rings or np.bincount(drawn[-1].replica).tolist() == replicas[-1] * [count]
+    assert np.bincount(drawn[-1].replica).tolist() == replicas[-1] * [count]
     means = np.array(
         [[[one.mean(name, k) for name in SLIPS] for k in range(count)] for one in drawn]
     )
@@ -95,6 +88,47 @@ def test_both_solvers_have_the_same_slips(law: str, damped: int, delay: float, f
         changed = numbers | {name: (1.0 + SEEN * fewer**0.5) * numbers[name]}
         other = master.solve(**asked(law, **changed), tolerance=3e-4)
         assert off(other) > FURTHEST, name
+
+
+def test_identical_contacts_have_the_same_slips_in_both_solvers() -> None:
+    """Pieces of oscillators: to what an ensemble's whole units and the master equation's steps leave. In the third and
+    the eighth slip the force rises by less than 0.02 on its way down, which belongs to the slip."""
+    contacts, path = origins.Contacts(origins.identical(1.0)), np.linspace(0.0, 20.0, 101)[1:]
+    machine = {"spring": 0.5, "mass": 0.3, "damping": 0.2, "velocity": 0.3}
+    by_master = master.solve(contacts, path, 1e-7, **machine).slips
+    by_contacts = eq_model.simulate(contacts, path, n_contacts=20_000, **machine).slips
+    assert by_master.drive.size == by_contacts.drive.size == 10
+    for name in SLIPS[:-1]:
+        both = getattr(by_master, name), getattr(by_contacts, name)
+        assert np.abs(both[0] - both[1]).max() < 1e-5, name
+    # the top speed is that of a parabola through three of the times that are looked at
+    assert np.abs(by_master.top_speed - by_contacts.top_speed).max() < 1e-3
+
+
+@pytest.mark.parametrize("draws", [range(8), slow(range(8, 40))], ids=["few", "many"])
+def test_drawn_machines_have_the_same_slips_in_both_solvers(draws: range) -> None:
+    """Of 1e5 contacts, which slip early by some hundredths of <x_s>/K. Swings down in which the force rises for a while
+    are among them, and turns at which contacts that come back hold the slider for a moment."""
+    laws, slips = [origins.identical(1.0), *map(origins.gaussian, [1.0] * 3, [0.05, 0.2, 0.4])], 0
+    for k in draws:
+        rng = np.random.default_rng(k)
+        spring, mass, ratio = 10.0 ** rng.uniform([-1.3, -3.0, -1.3], [-0.2, -0.3, 0.7])
+        swing = 2.0 * np.pi * (mass / spring) ** 0.5
+        machine = {"spring": spring, "mass": mass, "damping": 2.0 * ratio * (mass * spring) ** 0.5}
+        machine["velocity"] = 10.0 ** rng.uniform(-1.5, 0.3)
+        delay = origins.Delay(swing * 10.0 ** rng.uniform(-0.5, 1.0)) if k // 4 % 2 else None
+        contacts = origins.Contacts(laws[k % 4], delay=delay)
+        asked: dict[str, Any] = {"path": [3.0 / spring + 3.0]} | machine
+        by_master = master.solve(contacts, tolerance=1e-3, **asked)
+        by_contacts = eq_model.simulate(contacts, n_contacts=100_000, seed=2, **asked).slips
+        if not by_master.success:
+            continue
+        assert by_master.slips.drive.size == by_contacts.drive.size, k
+        for name in ("force_before", "force_after"):
+            both = getattr(by_master.slips, name), getattr(by_contacts, name)
+            assert np.abs(both[0] - both[1]).max(initial=0.0) < 0.02, (k, name)
+        slips += by_contacts.drive.size
+    assert slips > len(draws)
 
 
 @pytest.mark.slow

@@ -251,13 +251,13 @@ def test_few_contacts_do_not_pull_a_slider_that_swings_over_a_million_of_thresho
         delayed(delay),
         Drive(np.array([1e6]), 0.1, spring=spring, mass=mass),
         DrivePath(Motion(np.array([0.0, 1e7]), np.array([0.0, 1e6]))),
-        Record(np.linspace(1.0, 1e4, 9), 1.0),
+        Record(np.linspace(1.0, 1e4, 9), 1.0, 0.0),
         2e-2,
     )
     few = np.array([1e-5])
     body.contacts = body.contacts.moved(50.0).and_born(np.zeros(1), few, 0.0)
     body.state = SliderState(0.0, 0.0, 5e5)
-    swinging = Swinging(body, Record(np.linspace(1.0, 1e4, 9), 1.0))
+    swinging = Swinging(body, Record(np.linspace(1.0, 1e4, 9), 1.0, 0.0))
     body.past.lumps.append((0.75 * 2.0 * np.pi - delay, 0.0))
     assert swinging.swing() is SwingEnd.LUMP_FORMS
     assert body.state.x == pytest.approx(-5e5, rel=1e-5)
@@ -284,7 +284,7 @@ class SeenSwinging:
 def look_at_swings(size, *, stops: bool, damping: float = 1.0):
     """What SmallSwings says of swings of the spring's force about 0.5, of this size by time, and the record of them."""
     body: Any = SeenSwinging(damping)
-    record = Record(body.times, 1.0)
+    record = Record(body.times, 1.0, 0.0)
     swings = SmallSwings(body, FastSliding(WIDE), record, 0.01)
     for t in np.arange(1.0, 2e4):
         # 40 panels a swing

@@ -488,7 +488,7 @@ def test_small_falls_behind_exact_thresholds_beside_others_are_not_passed_over()
     found = master.solve(origins.Contacts(law), path, 1e-3, **given)
     assert found.success and found.slips.force_error < 1e-4
     # those of a tolerance of 1e-6, which tells them to 3e-7
-    finer = [0.8811256, 0.7308797, 0.6623132], [0.3865926, 0.6018410, 0.6155195]
+    finer = [0.8811256, 0.7308797, 0.6639803], [0.3865926, 0.6018410, 0.6155195]
     for told, known in zip((found.slips.force_before, found.slips.force_after), finer, strict=True):
         assert np.abs(told - known).max() < found.slips.force_error * law.mean()
 
@@ -528,9 +528,11 @@ def test_a_heavily_damped_slider_on_a_slow_drive_tends_to_one_without_mass(
     highest = master.solve(contacts, np.linspace(0.7, 0.9, 401), 1e-7).force.max()
     assert slips.drive.size == 1 and abs(slips.force_before[0] - highest) < off
     assert 0.0 < limit.slips.drive[0] - slips.drive[0] < 5e-3
-    # the slip ends where the limit's does, but for what the drive pulls in the slip's time, g/K and more
-    lasts = float(slips.duration[0])
-    assert 0.0 < slips.force_after[0] - limit.slips.force_after[0] < off + 0.05 * velocity * lasts
+    # it ends where the limit's second slip does, as the force rises by less than 0.02 between the two, but for what the
+    # drive pulls in the time of that second one, g/K and more
+    assert limit.slips.drive.size == 2
+    lasts = float(slips.duration[0] - (limit.slips.drive[1] - slips.drive[0]) / velocity)
+    assert 0.0 < slips.force_after[0] - limit.slips.force_after[1] < off + 0.05 * velocity * lasts
 
 
 def test_a_heavily_damped_slider_lags_where_contacts_begin_to_break_together() -> None:

@@ -23,11 +23,8 @@ from eq_model.coupled.mass.state import (
     X_BEFORE,
     speed_limit,
 )
-from origins.drive import FASTER, RISE
+from origins.drive import FASTER, LOWER, RISE
 
-# Share of a swing below which a second minimum does not count as lower: a slider that no contact holds comes close to
-# the force of its damping again and again, and the swing has ended where it first does.
-LOWER = 1e-3
 SLOW = 1e-9  # a share of the largest excess of speed, far below what anyone measures
 # In whole units of length: a spring's force that rings by less, 1e-9 mean thresholds, does not turn.
 STILL = 0.25

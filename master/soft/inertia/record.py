@@ -7,7 +7,7 @@ import numpy as np
 from scipy.optimize import brentq
 
 from master.soft.inertia.reaction import Reaction
-from origins.drive import FASTER, RISE, ROOM, SLIP_FRACTION
+from origins.drive import FASTER, LOWER, RISE, ROOM, SLIP_FRACTION
 from origins.thresholds.law import Array
 
 # Share of the contacts that breaks in a fall of the force; rounding is below it.
@@ -28,7 +28,7 @@ class Instant(NamedTuple):
 
 
 class SlipWithMass(NamedTuple):
-    """A fall of the spring's force that ended a stick, and the top speed in it along the axis of X."""
+    """A swing down of the spring's force that ended a stick, and the top speed in it along the axis of X."""
 
     begin: Instant
     end: Instant
@@ -83,9 +83,10 @@ class Record:
     slips : in order, as origins.drive defines them
     """
 
-    def __init__(self, times: Array, unit: float) -> None:
-        """`unit` is the mean threshold, a length."""
+    def __init__(self, times: Array, unit: float, waits: float) -> None:
+        """`unit` is the mean threshold, a length; `waits` the delay of the contacts, a time."""
         self.times, self._rise, self._room = times, RISE * unit, ROOM * unit
+        self._unit, self._waits = unit, waits
         self.place, self.speed, self.contact_force = (np.full(times.size, np.nan) for _ in range(3))
         self.work, self.damped, self.on_contacts = (np.full(times.size, np.nan) for _ in range(3))
         self.stored, self.holding = np.zeros(times.size), np.ones(times.size)
@@ -93,8 +94,15 @@ class Record:
         # where the present fall began, and the largest speed in it along the drive's way
         self._fall: Instant | None = None
         self._top_speed = 0.0
+        # where the present swing down, or the next one, begins, and where it has been lowest, None before it has fallen
+        # enough; the largest speed in it; whether it is the last slip
+        self._high: Instant | None = None
+        self._low: Instant | None = None
+        self._top_of_swing, self._slips, self._direction = 0.0, False, 0
         # whether the slider has stuck since the last slip, and the breaks when it last did
         self._stuck, self._broken_before = True, 0.0
+        # X and the share that held there
+        self._stuck_at, self._held = 0.0, 1.0
         # from where on the slider may be sticking
         self._rest: Instant | None = None
         self._waiting = list[OnMove]()
@@ -120,6 +128,9 @@ class Record:
     def watch(self, seen: Watched) -> None:
         """Begin and end falls of the spring's force, and see whether the slider sticks outside of them."""
         limit = max(seen.drive_speed, 0.0)
+        if seen.drive_direction != self._direction:
+            self._direction = seen.drive_direction
+            self._end_swing()
         if (seen.speeds[0] > limit) != (self._fall is not None):  # the drive's speed has changed
             self._begin_or_end_fall(seen.at(float(seen.times[0])), limit, seen.drive_direction)
         for k, t in enumerate(seen.times.tolist()):
@@ -132,8 +143,10 @@ class Record:
 
     @property
     def slips_since(self) -> float | None:
-        """When a fall began that ends a stick and goes on, which may be a slip; None without one."""
-        return self._fall.time if self._fall is not None and self._stuck else None
+        """When a swing down began that ends a stick and goes on, which may be a slip; None without one."""
+        if self._fall is None or not self._stuck:
+            return None
+        return (self._high or self._fall).time
 
     def forget_fall(self) -> None:
         """The present fall is none that counts."""
@@ -142,30 +155,58 @@ class Record:
     def _see_stick(self, k: int, t: float, seen: Watched) -> None:
         """Whether the slider sticks at the k-th time."""
         rest, force = self._rest, float(seen.forces[k])
-        if (
-            rest is None
-            or seen.holding[k] < SLIP_FRACTION
-            or abs(seen.places[k] - rest.place) > self._room
-        ):
+        place, holding = float(seen.places[k]), float(seen.holding[k])
+        if seen.drive_direction * (place - self._stuck_at) < -self._room:
+            self._stuck = False  # it has only turned there
+        enough = max(RISE, SLIP_FRACTION * self._held if self._stuck else 0.0)
+        if rest is None or holding < enough or abs(place - rest.place) > self._room:
             self._rest = seen.at(t)
         elif seen.drive_direction * (force - rest.force) >= self._rise:
             self._rest = here = seen.at(t)
-            if here.breaks - rest.breaks < SLIP_FRACTION:
+            if here.breaks - rest.breaks < SLIP_FRACTION * holding:
                 self._stuck, self._broken_before = True, here.breaks
+                self._stuck_at, self._held = place, holding
 
     def _begin_or_end_fall(self, at: Instant, limit: float, drive_direction: int) -> None:
-        """The spring's force begins to fall, or a fall ends, which was a slip if it ended a stick."""
+        """The spring's force begins to fall, or a fall ends: the present swing down has begun, goes on or is over, and
+        is a slip if it ends a stick."""
         begin, self._fall = self._fall, None
+        ahead = drive_direction
         if begin is None:
             self._fall, self._top_speed = at, 0.0
+            if self._low is not None and ahead * (at.force - self._low.force) >= self._rise:
+                self._end_swing()
+            if self._low is None and (
+                self._high is None or ahead * (at.force - self._high.force) >= 0.0
+            ):
+                self._high, self._top_of_swing = at, 0.0
             return
-        slips = self._stuck and at.breaks - self._broken_before >= SLIP_FRACTION
-        slips &= drive_direction * (begin.force - at.force) >= self._rise
-        if slips and self._top_speed >= FASTER * limit:
-            self.slips.append(SlipWithMass(begin, at, drive_direction * self._top_speed))
-            self._stuck, self._rest = False, at
-        elif at.breaks - begin.breaks > ANY:
+        high = self._high or begin
+        drop = ahead * (high.force - at.force)
+        self._top_of_swing = top = max(self._top_of_swing, self._top_speed)
+        if self._low is not None or drop >= self._rise:
+            lower = self._low is None or ahead * (self._low.force - at.force) > LOWER * drop
+            low = self._low = at if lower or self._low is None else self._low
+            # of those that held, and of those that hold in steady sliding
+            holding = self._unit / (self._unit + limit * self._waits)
+            least = max(RISE, SLIP_FRACTION * max(self._held, holding))
+            broke = at.breaks - self._broken_before >= least
+            begins = not self._slips and self._stuck and broke and top >= FASTER * limit
+            if self._slips:
+                self.slips.pop()
+            if begins or self._slips:
+                self.slips.append(SlipWithMass(high, low, ahead * top))
+                self._slips, self._stuck = True, False
+            if begins or (self._slips and lower):
+                self._rest = at
+                return
+        if at.breaks - begin.breaks > ANY:
             self._rest = at
+
+    def _end_swing(self) -> None:
+        """The present swing down is over."""
+        self._high = self._low = None
+        self._slips = False
 
 
 def _peak(values: Array, k: int) -> float:

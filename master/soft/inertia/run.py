@@ -118,7 +118,7 @@ class Run:
             refuse("path[0]", drive.path[0], hint)
         at_rest = Motion(np.array([0.0, 1.0]), np.full(2, self.balance))
         motion, self.stopped = drive_motion(drive, self.balance) or at_rest, ""
-        self.record = Record(drive.arrival_times(self.balance), unit)
+        self.record = Record(drive.arrival_times(self.balance), unit, self.waits)
         slider: DelayedSlider | InertialSlider
         if contacts.waiting_time:
             given = drive, motion, self.record, tolerance * unit, asked * unit

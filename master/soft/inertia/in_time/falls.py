@@ -14,10 +14,10 @@ LOOKED_AT = 5
 class Falls:
     """Falls of the spring's force and slips among them, as `Record` defines them."""
 
-    def __init__(self, motion: Motion | None, spring: float, unit: float) -> None:
-        """For this motion of the drive; `unit` is the mean threshold."""
+    def __init__(self, motion: Motion | None, spring: float, unit: float, waits: float) -> None:
+        """For this motion of the drive; `unit` is the mean threshold, `waits` the delay of the contacts."""
         self._motion, self._spring = motion, spring
-        self._record = Record(np.empty(0), unit)
+        self._record = Record(np.empty(0), unit, waits)
         moving = np.empty(0) if motion is None else motion.speeds[motion.speeds != 0.0]
         self._direction = int(np.sign(moving[0])) if moving.size else 1
 

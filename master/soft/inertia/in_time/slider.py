@@ -64,7 +64,7 @@ class HeavySlider:
         # when it left rest last; inf once it has flown or slipped without steps since
         self.longest_start, self._left_rest = 0.0, 0.0
         self.sections = list[list[HeavyNode]]()
-        self.falls = Falls(motion, self.spring, contacts.unit)
+        self.falls = Falls(motion, self.spring, contacts.unit, contacts.delay)
         if motion is None:
             self.sections.append([self._node(0.0, 0.0)])
             return
