@@ -17,13 +17,13 @@ from typing import Any
 import numpy as np
 import pytest
 from conftest import slow
-from scenes import ROUGH, refused, said, write
+from scenes import ROUGH, refused, said, scene, write
 
 import eq_model
 import master
 import origins
 from toolkit.judge import frontier
-from toolkit.judge.reference import exact_force
+from toolkit.judge.reference import exact_force, unbroken
 from toolkit.judge.rigid import on_rigid_slider
 from toolkit.processes.signals import TooMuchWork, no_longer_than
 from toolkit.running.cost import cost, cost_lines
@@ -218,6 +218,22 @@ def test_an_answer_of_which_nothing_is_known_is_no_reference(capsys: Any, monkey
     found = measured(capsys, thresholds={"kind": "rectangular", "lower": 0.5, "upper": 1.0})
     assert found["reference"].startswith("the ensemble at ")
     assert any("master: no answer at 0.01; not known" in note for note in found["notes"])
+
+
+def test_a_path_on_which_nothing_breaks_says_so() -> None:
+    """Errors of 1e-27 N stood without a word that contacts but were loaded."""
+    law = {"kind": "gaussian", "mean": 1.0, "std": 0.1}
+    for drive, few in (
+        ({"to": 0.3}, "at most 1e-12 of the contacts break"),
+        ({"to": 20.0, "spring": 0.02}, "at most 6e-10 of the contacts break"),
+        ({"to": 0.65}, "at most 2e-04 of the contacts break"),
+        ({"to": 2.0}, ""),
+        ({"to": 20.0, "spring": 0.1}, ""),
+    ):
+        said = unbroken(load_scene(scene(law, drive=drive | {"points": 5})))
+        assert len(said) == bool(few) and all(one.startswith(f"{few} on this path") for one in said)
+    warm = {"thresholds": law, "thermal": {"law": "soft", "temperature": 0.1}}
+    assert not unbroken(load_scene(scene(contacts=warm, drive={"to": 0.3, "points": 5})))
 
 
 def test_what_no_solver_takes_is_refused_with_the_reasons_of_both(capsys: Any) -> None:

@@ -576,6 +576,7 @@ def test_what_is_below_its_error_is_not_told() -> None:
     assert "0.5200" in next(line for line in lines if "F_k" in line)
     text = "\n".join(lines)
     assert text.count("springs that are not known") == 3 and "± 0" not in text
+    assert "`mesofriction verdict` of the scene with a drive.spring tells" in text
 
 
 @pytest.mark.slow  # some 40 s

@@ -457,7 +457,10 @@ def test_heights_that_cannot_be_meant_are_refused_or_cautioned() -> None:
     assert origins.spectral_moments(40.0 * heights, 1e-8).rms_slope > 5.0
     filled = heights.copy()
     filled[::16, ::8] = -9999.0
-    with pytest.raises(origins.InputError, match="32 heights of -9999 may be a fill value"):
+    with pytest.raises(
+        origins.InputError,
+        match=r"32 heights of -9999 \(with the surface's unit and scale\) may be",
+    ):
         origins.spectral_moments(filled, 1e-8)
     filled[filled == -9999.0] = 0.0
     assert origins.spectral_moments(filled, 1e-8).zero_fraction == 32 / 64**2

@@ -176,7 +176,8 @@ def _why_so_steep(heights: npt.NDArray[np.float64], size: tuple[float, float]) -
         if rest.size and np.abs(rest - end).min() > np.ptp(rest):
             many = measured.size - rest.size
             hint = "give missing points as NaN, and sizes in the unit of heights"
-            return f"{many} heights of {end:.6g} may be a fill value; {hint}"
+            read = f"heights of {end:.6g} (with the surface's unit and scale)"
+            return f"{many} {read} may be a fill value; {hint}"
     read = f"read as {np.ptp(measured):.3g} m of height on {size[0]:.3g} m x {size[1]:.3g} m"
     return f"{read}: are heights and sizes in one unit, and is it the one declared (surface.unit)?"
 

@@ -103,7 +103,10 @@ def a12(figure: Any) -> Found:
             if time == 1.0 and jacobian == "paper":
                 found = float(law.mean())
     axes.set(xlabel="$x$", ylabel="$P_c(x)$", ylim=(0.0, None), xlim=(0.0, 3.5))
+    for name, dash in (("as printed", "-"), ("with the Jacobian", ":")):
+        axes.plot([], [], dash, color="0.3", lw=1.2, label=name)
     axes.legend(fontsize="small")
+    axes.set_title(r"numbers without unit: $\alpha$ = $B$ = 1", fontsize="small")
     place, weights = _nodes(0.0, np.sqrt(1.25))
     u = np.sqrt(1.0 + place * place)
     # the density vanishes with all its derivatives at the end, where 1 - 2u/3 = 0

@@ -111,7 +111,8 @@ def _forces(axes: Any, styled: list[_Styled]) -> None:
             bars |= {"color": one.style["color"], "yerr": error}
             axes.errorbar(eq.path[some] / unit, eq.force[some] * one.force, **bars)
         level = one.kinetic * one.force
-        axes.axhline(level, color=one.style["color"], lw=0.8, ls=":", zorder=0)
+        # thin and whole, as a scene's own curve may be dotted
+        axes.axhline(level, color=one.style["color"], lw=0.6, zorder=0)
     axes.set(ylim=(0.0, None), xlim=(0.0, 1.02 * max(extents, default=1.0)))
     if extents and max(extents) > _APART * min(extents):
         least = min([*extents, *(one.mean / one.length for one in styled)])
@@ -125,7 +126,7 @@ def _forces(axes: Any, styled: list[_Styled]) -> None:
         axes.set(yscale="log", ylim=(min(levels) / 100.0, 2.0 * max(levels)))
     simulated = any(one.scene.result.eq is not None for one in styled)
     points = ", points: ensemble" if simulated else ""
-    axes.set_title(f"lines: master equation{points}, dotted: $F_k$", fontsize="medium")
+    axes.set_title(f"lines: master equation{points}, thin: $F_k$", fontsize="medium")
     if styled and styled[0].unit != SHARED:
         name_axis(axes.xaxis, "slider position $X$", "m")
         name = ("force $F$", "N") if styled[0].unit == "N/m" else ("shear stress $F/A$", "Pa")

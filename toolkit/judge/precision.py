@@ -20,6 +20,7 @@ from toolkit.judge.reference import (
     finest,
     largest_error,
     of_witness,
+    unbroken,
     with_error_in,
     witness_of,
 )
@@ -93,11 +94,9 @@ def precision(scene: Scene, say: Callable[[str], None]) -> dict[str, Any]:
                 )
             )
 
-    told = (
-        "mean thresholds <x_s>"
-        if unit.size == mean
-        else f"{unit.name} (of master, at a tolerance in <x_s>)"
-    )
+    told = f"{unit.name} (of master, at a tolerance in <x_s>)"
+    if unit.size == mean:
+        told = "mean thresholds <x_s>"
     say(f"errors in {told}, time in CPU-s of one thread")
     say(_line(["method", "at", "error", "claimed", "time", "runs"]))
     tell("master")
@@ -113,6 +112,7 @@ def precision(scene: Scene, say: Callable[[str], None]) -> dict[str, Any]:
         witness = witness_of(sampled[-1], solved, mean, unit.size)
     measured = {point["method"] for point in points}
     said = [
+        *unbroken(scene),
         f"true error: largest over {reference.counted.sum()} positions, in {unit.name}, from {reference.words}, "
         f"good to {reference.error:.0e}, below which it tells no error",
         *([] if exact else of_witness(witness, solved, sampled, unit.name)),
@@ -285,9 +285,8 @@ def _timed(
     """The answer at a setting, and the median of its run times, repeated where it takes little. CPU time of the one
     thread hardly hangs on what else the machine does. Raises TooMuchWork beyond _SECONDS."""
     began = clock()
-    with no_longer_than(
-        _SECONDS, TooMuchWork
-    ):  # within, the system counts CPU time in steps of some ms
+    # within, the system counts CPU time in steps of some ms
+    with no_longer_than(_SECONDS, TooMuchWork):
         answer = work(setting)
     if (took := clock() - began) >= REPEATED:
         return TimedAnswer(setting, answer, took, 1)

@@ -10,10 +10,15 @@ from origins.thresholds.law import Array
 from toolkit.judge.closed_form import closed_form
 from toolkit.judge.slips import Counts, alike, slips_so_far
 from toolkit.results.beside import apart
+from toolkit.scene.scale import written
 from toolkit.scene.scene import Scene
 
 # mean thresholds, below round-off: an error of 0 has no place on a logarithmic axis
 LEAST = 1e-17
+
+
+# share of the contacts: where fewer break on a path little happens but loading
+HARDLY_ANY = 1e-3
 
 
 class MethodAnswer(NamedTuple):
@@ -156,4 +161,24 @@ def of_witness(
     return [
         f"independent of the master equation is the ensemble of {contacts:,} contacts, {beside}; it tells no error "
         f"below its standard error, {witness['standard_error']:.1e} {unit}"
+    ]
+
+
+def unbroken(scene: Scene) -> list[str]:
+    """That hardly any contact breaks on the scene's path, so that its errors tell of little but loading; none where
+    more may: where they start stretched, or break by time."""
+    contacts, spring = scene.contacts, scene.drive.spring
+    way = float(np.ptp(np.append(0.0, scene.path)))
+    if (
+        spring is not None
+    ):  # of which contacts that hold leave the slider this part, with a mass twice that as it swings
+        way *= spring / (1.0 + spring) * (1.0 if scene.drive.mass is None else 2.0)
+    stretched = contacts.start.span != (0.0, 0.0) or contacts.reforming is not None
+    share = float(contacts.thresholds.cdf(way))
+    if contacts.in_time or stretched or share > HARDLY_ANY:
+        return []
+    few = f"at most {share:.0e} of the contacts break" if share else "no contact breaks"
+    mean = written(contacts.mean_threshold, scene.scale.length_unit)
+    return [
+        f"{few} on this path, which but loads them: drive on until the slider has gone by several <x_s>, {mean}"
     ]

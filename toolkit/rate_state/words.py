@@ -168,6 +168,11 @@ def _of_springs(judged: Judged) -> Iterator[str]:
     by_law = spring(found.critical_spring, found.critical_spring_error)
     solved = spring(found.critical_spring_solved, found.critical_spring_solved_error)
     yield f"Smooth sliding is unstable {solved}, by the solved answer to a small step; {by_law}, by (b - a)/D_c."
+    if "not known" in solved and "not known" in by_law:
+        yield (
+            "Of contacts in heat, `mesofriction verdict` of the scene with a drive.spring tells, without steps, below "
+            "which spring small swings of steady sliding grow."
+        )
     if np.isnan(judged.critical_spring) or not judged.critical_spring:
         return
     own = spring(judged.critical_spring, judged.critical_spring_error)
