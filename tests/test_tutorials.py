@@ -112,7 +112,7 @@ def test_an_ensemble(page: str, capsys: Any) -> None:
     names: dict[str, Any] = {}
     run(first, names)
     status, out, _ = said(capsys, "run", "film.toml")
-    assert status == 0 and any(re.match(r"slip +from 4\.9\d µN .* to 0 N", line) for line in out)
+    assert status == 0 and any(re.match(r"slip +from 4\.9\d ± \S+ µN to 0 N", line) for line in out)
     (told,) = re.findall(r"```text\n(.*?)```", page, re.DOTALL)
     assert run(last, names) == told
     assert "4.95 ±" in told and "12.8 nm" in told and "12.8 nm and 12.8 ms" in page
