@@ -144,6 +144,25 @@ def test_slips_do_not_depend_on_the_points_of_the_path(spring, mass, damping, ve
     same_slips(few, many)
 
 
+@pytest.mark.parametrize("behind", [[], [6.9], [9.9]])
+def test_a_drive_that_slows_down_or_rests_keeps_the_slips_of_the_way_there(behind: list) -> None:
+    """The last slip of the first leg ends on the move to the leg's end, where the slower drive ends the next one."""
+    contacts, times = origins.Contacts(origins.identical(1.0)), [40.0, 190.0]
+    machine = {"spring": 0.5, "mass": 1e-4, "damping": 2e-2, "n_contacts": 200}
+    machine |= {"n_replicas": 1, "seed": 1}
+    path = [6.9, *behind]
+    slips = eq_model.simulate(contacts, path, time=times[: len(path)], **machine).slips
+    assert np.abs(slips.drive[:4] - [3.0023, 4.0023, 5.0023, 6.0023]).max() < 1e-3
+    assert slips.drive.size == 4 + 3 * (behind == [9.9])
+
+
+def test_a_fast_drive_on_a_very_soft_spring_is_followed_up_to_its_first_slip() -> None:
+    """By inertia such a slider would be 1e10 thresholds behind, but not further than the drive has gone."""
+    machine = {"spring": 1e-9, "mass": 1e-3, "velocity": 1e7, "n_contacts": 40}
+    found = eq_model.simulate(origins.Contacts(GAUSSIAN), [1.02e9], seed=3, **machine)
+    assert found.slips.drive.size == 0 and 0.0 < found.force[0] < 1.02
+
+
 def same_slips(few: Any, many: Any) -> None:
     """To the rounding of times that are added up on other ways."""
     assert (few.breaks == many.breaks).all()

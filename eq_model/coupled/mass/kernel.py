@@ -241,8 +241,8 @@ def slide(slider, contacts, supply, pull):  # type: ignore[no-untyped-def]
             elif due:
                 forms = _return(s, contacts, pull)
             elif side == 0 and not proposed and remaining <= most:
-                if slipped and s.leg + 1 == pull.lasts.size:
-                    return SLIP_ENDED  # as the path's end may end another one
+                if slipped:
+                    return SLIP_ENDED  # as the leg's end may end another one
                 slipped = _end_leg(s, pull) or slipped
             if breaks >= 0 or due:
                 s.lowest = np.inf

@@ -87,9 +87,9 @@ class HeavySliders:
         if force > spring * most:
             hint = f"must be above {force / most:.3g}; slips are longer than positions have digits"
             refuse("spring", spring, hint)
-        # a slider may swing beyond the drive by as much as it was behind
-        most = LARGEST * self._unit - max(force / spring, self._most_behind())
-        refuse_beyond(drive, most, self._unit)
+        # a slider may swing beyond the drive by as much as it was behind, which is no more than the drive's way
+        behind = min(max(force / spring, self._most_behind()), abs(end))
+        refuse_beyond(drive, LARGEST * self._unit - behind, self._unit)
         # a contact breaks once a mean threshold where it does not wait
         breaks = self._n * max(end - self._most_behind(), 0.0) / mean / growth(contacts, drive)
         breaks *= contacts.delay is None
