@@ -215,8 +215,9 @@ class Ensemble:
                 if array.size:  # sums of whole numbers do not depend on the order
                     comm.Allreduce(array, totals[k])
         joined = replace(reduce(State.joined, states), sums=totals[0], counts=totals[1])
-        given_up = self._given_up if comm is None else any(comm.allgather(self._given_up))
-        if not joined.contacts and given_up:
+        if not joined.contacts and (
+            any(comm.allgather(self._given_up)) if comm else self._given_up
+        ):
             limit = "" if np.isinf(self._wall_time) else f" = {self._wall_time:g}"
             raise NothingInTimeError(
                 f"wall_time{limit}: no slider was followed to the end of the path before it was over, or interrupted, "

@@ -105,7 +105,7 @@ class PlainSlider:
                 at = brentq(excess, times[i - 1], times[i], xtol=1e-15)
                 self.top = top if falls else max(self.top, top)
                 if falls:
-                    self.watch(at, way(at))
+                    self.watch(at, way(at), velocity)
                 self.turn(at, way(at), falls, velocity)
             self.top = max(self.top, top)
 
@@ -174,7 +174,7 @@ class PlainSlider:
         each = square / (mean + wait) - (force / (mean + wait)) ** 2 + square / mean / self.n
         return min(6.0 * (each / self.n) ** 0.5, mean) * growth(self.contacts, self.drive)
 
-    def watch(self, after: float, way: float) -> None:
+    def watch(self, after: float, way: float, velocity: float) -> None:
         """Whether the slider sticks: contacts hold it in a narrow room, and few break, as the spring's force rises to
         its value so much later, and so far ahead."""
         here, mean, holds = self.x + way, self.contacts.mean_threshold, self.zero.size
@@ -184,6 +184,7 @@ class PlainSlider:
         few = holds < 0.02 * self.n or (self.stuck and holds < self.fraction * self.held)
         x, force, breaks = self.rest
         near, loaded = abs(here - x) <= 2.0 * mean, now - self.lowest[1] >= 0.02 * mean
+        loaded &= not self.loosened(velocity)
         risen = near and now - force >= 0.02 * mean
         loaded |= risen and self.breaks - breaks < self.fraction * holds
         if few or not near or risen:
@@ -197,7 +198,7 @@ class PlainSlider:
         for end, velocity in zip(self.clock[1:], self.speeds(), strict=True):
             if (self.begun is None) == (self.v > velocity):  # the drive's speed changes
                 if self.begun is None:
-                    self.watch(0.0, 0.0)
+                    self.watch(0.0, 0.0, velocity)
                 self.turn(0.0, 0.0, self.v > velocity, velocity)
             while True:
                 way, speed, fastest = self.motion(velocity)
@@ -232,7 +233,7 @@ class PlainSlider:
                 self.falls(times, speed, way, velocity)
                 returns = self.returns and self.t + due >= self.returns[0]
                 if moves and (broke or returns) and self.begun is None:
-                    self.watch(due, way(due))
+                    self.watch(due, way(due), velocity)
                 self.x, self.v, self.t = self.x + way(due), speed(due), self.t + due
                 if broke:
                     if self.law is None:

@@ -156,6 +156,16 @@ def test_a_drive_that_slows_down_or_rests_keeps_the_slips_of_the_way_there(behin
     assert slips.drive.size == 4 + 3 * (behind == [9.9])
 
 
+@slow
+def test_a_slider_that_gathers_speed_after_its_contacts_broke_together_slips() -> None:
+    """In heat they break in a narrow crowd while the force rises, which goes on to rise by 0.02 as none breaks."""
+    contacts = origins.Contacts(origins.identical(1.0), thermal=origins.Thermal("soft", 0.01))
+    machine = {"spring": 1.0, "mass": 0.1, "damping": 0.5, "n_contacts": 20_000}
+    slips = eq_model.simulate(contacts, [6.6], n_replicas=1, seed=1, **machine).slips
+    assert np.abs(slips.drive - [2.309, 3.202, 4.246, 5.227, 6.234]).max() < 2e-3
+    assert np.abs(slips.force_before - [1.264, 1.149, 1.192, 1.173, 1.180]).max() < 2e-3
+
+
 def test_a_fast_drive_on_a_very_soft_spring_is_followed_up_to_its_first_slip() -> None:
     """By inertia such a slider would be 1e10 thresholds behind, but not further than the drive has gone."""
     machine = {"spring": 1e-9, "mass": 1e-3, "velocity": 1e7, "n_contacts": 40}

@@ -45,15 +45,25 @@ def _rest_at(s, x, force):  # type: ignore[no-untyped-def]
 
 
 @inlined
+def has_loosened(s, pull):  # type: ignore[no-untyped-def]
+    """Whether so many contacts have broken since the slider stuck that the next swing down is a slip."""
+    return s.stuck and s.loose >= max(
+        pull.slip_fraction * s.held, pull.least_breaks[unsigned(s.leg)], 1.0
+    )
+
+
+@inlined
 def watch(s, pull, before, travel_before):  # type: ignore[no-untyped-def]
     """Whether the slider sticks: its contacts hold it in a narrow room, and few break, while the spring's force rises
     to its value so long before the present, when the slider was so far behind.
 
     Called before a contact breaks or forms while the force rises, and where it is largest: so what it finds does not
     depend on where else the slider is looked at. It is loaded also where the force has risen since a contact last broke
-    or formed, on any way. A small part of the contacts that held it before does not hold it: a heavy slider that slowly
-    breaks the last ones, as it gathers speed, has begun to slip. Neither does it stick anew in a small rise within a
-    fall. One that moves back beyond the room has only turned there: no contact that it stuck to holds it."""
+    or formed, on any way, but not where a share of the contacts that it stuck to has broken before: a heavy slider then
+    gathers speed, and the force goes on to rise until it is as fast as the drive. A small part of the contacts that
+    held it before does not hold it: a heavy slider that slowly breaks the last ones, as it gathers speed, has begun to
+    slip. Neither does it stick anew in a small rise within a fall. One that moves back beyond the room has only turned
+    there: no contact that it stuck to holds it."""
     x = np.float64(s.at) + (s.off - travel_before)
     drive = pull.places[unsigned(s.leg)] + pull.speeds[unsigned(s.leg)] * (s.elapsed - before)
     force = pull.spring * (drive - x)
@@ -66,7 +76,9 @@ def watch(s, pull, before, travel_before):  # type: ignore[no-untyped-def]
         loaded = s.breaks - s.rest_breaks < pull.slip_fraction * s.n_holding
     if not holds or not near or risen:
         _rest_at(s, s.lowest_at, s.lowest)
-    if holds and (loaded or force - s.lowest >= pull.rise) and force >= s.highest:
+    if force - s.lowest >= pull.rise and not has_loosened(s, pull):
+        loaded = True
+    if holds and loaded and force >= s.highest:
         s.stuck, s.stuck_at, s.held, s.loose = True, x, s.n_holding, 0
 
 
@@ -74,14 +86,6 @@ def watch(s, pull, before, travel_before):  # type: ignore[no-untyped-def]
 def lowest_here(s, x, force):  # type: ignore[no-untyped-def]
     """The spring's force is the lowest since a contact broke or formed."""
     s.lowest_at, s.lowest = x, force
-
-
-@inlined
-def has_loosened(s, pull):  # type: ignore[no-untyped-def]
-    """Whether so many contacts have broken since the slider stuck that the next swing down is a slip."""
-    return s.stuck and s.loose >= max(
-        pull.slip_fraction * s.held, pull.least_breaks[unsigned(s.leg)], 1.0
-    )
 
 
 @inlined
