@@ -15,9 +15,10 @@ SlipRule = Literal["reset", "reform-after", "instant"]
 # A slip of a slider with mass, of both solvers, is a swing down of the spring's force that ends a stick: from a maximum
 # to a minimum, where rises and falls below RISE, or below what chance does to few contacts
 # (`eq_model.coupled.mass.chance`), do not count.
-# The slider sticks where the force rises by RISE while it stays within ROOM, enough contacts hold it, and at most
-# SLIP_FRACTION of these break. From where it last stuck to the end of the swing at least SLIP_FRACTION of those break,
-# and of those that hold in steady sliding at the drive's speed, and the slider gets FASTER times as fast as the drive.
+# The slider sticks where the force rises by RISE while it stays within ROOM, or on any way on which no contact breaks
+# or forms, enough contacts hold it, and at most SLIP_FRACTION of these break. From where it last stuck to the end of
+# the swing at least SLIP_FRACTION of those break, and of those that hold in steady sliding at the drive's speed, and
+# the slider gets FASTER times as fast as the drive.
 # Enough are RISE of all contacts, as fewer cannot raise the force by as much (each holds a mean threshold), and of
 # those that held it before SLIP_FRACTION.
 # Of the force, in mean thresholds; and the least share of the contacts that can raise it by as much.

@@ -237,6 +237,8 @@ def _read_interface(group: Any) -> dict[str, Number]:
 
 
 def _read_master(group: Any) -> SolvedRecord:
+    """The record of the master equation in this group of a file: with slips and a regime where a spring pulls the
+    slider, and with energies where it has a mass."""
     if "position" not in group:
         return _read(group, SolvedRecord)
     from master.soft.inertia.energies import EnergyError

@@ -43,7 +43,7 @@ SLIDER = np.dtype(
         ("in_swing", np.bool_),  # whether the force is in one, which no rise has ended yet
         ("clock", np.float64),  # time since it began
         ("lead", np.float64),  # largest K (FASTER X_T - X) since it began
-        ("highest", np.float64),  # of the spring's maxima since the last one ended
+        ("highest", np.float64),  # maximum of the spring's force since the last swing down
         # whether the slider has been FASTER times as fast as the drive since, by more than chance
         ("rushed", np.bool_),
         ("slipping", np.bool_),  # whether it is a slip

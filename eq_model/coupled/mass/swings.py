@@ -57,13 +57,13 @@ def watch(s, pull, before, travel_before):  # type: ignore[no-untyped-def]
     """Whether the slider sticks: its contacts hold it in a narrow room, and few break, while the spring's force rises
     to its value so long before the present, when the slider was so far behind.
 
-    Called before a contact breaks or forms while the force rises, and where it is largest: so what it finds does not
-    depend on where else the slider is looked at. It is loaded also where the force has risen since a contact last broke
-    or formed, on any way, but not where a share of the contacts that it stuck to has broken before: a heavy slider then
-    gathers speed, and the force goes on to rise until it is as fast as the drive. A small part of the contacts that
-    held it before does not hold it: a heavy slider that slowly breaks the last ones, as it gathers speed, has begun to
-    slip. Neither does it stick anew in a small rise within a fall. One that moves back beyond the room has only turned
-    there: no contact that it stuck to holds it."""
+    It is called before a contact breaks or forms while the force rises, and where it is largest: so what it finds
+    does not depend on where else the slider is looked at. The slider also sticks, however far it moves, where the
+    force has risen since a contact last broke or formed; but not if a share `slip_fraction` of the contacts to which
+    it stuck has broken: a heavy slider then gathers speed, and the force rises until it is as fast as the drive. A
+    small part of the contacts that held it before does not hold it: a heavy slider that slowly breaks the last ones,
+    as it gathers speed, has begun to slip. Neither does it stick anew in a small rise within a fall. One that moves
+    back beyond the room has only turned there: no contact that it stuck to holds it."""
     x = np.float64(s.at) + (s.off - travel_before)
     drive = pull.places[unsigned(s.leg)] + pull.speeds[unsigned(s.leg)] * (s.elapsed - before)
     force = pull.spring * (drive - x)
