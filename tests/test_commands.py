@@ -120,7 +120,10 @@ def test_a_path_that_ends_before_the_first_slip_says_how_far_to_go() -> None:
     result: Any = toolkit.run(scene(WIDE | {"std": 0.1}, drive=pulled))
     reason = result.master.regime.reason
     assert not result.master.slips.drive.size
-    far = float(reason.partition("before X_T = ")[2].partition(";")[0])
+    far = result.master.regime.drive_to
+    assert reason.endswith(f"but the first one comes later; drive to X_T = {far:.4g}")
+    toolkit.save(result, Path("mine-output"))
+    assert toolkit.load("mine-output").master.regime.drive_to == far
     result = toolkit.run(scene(WIDE | {"std": 0.1}, drive=pulled | {"to": far}))
     assert result.master.slips.drive.size
     # behind the first slip it is known that under "instant" others shrink

@@ -403,11 +403,11 @@ def test_a_path_without_slips_says_how_far_to_drive_and_the_first_slip_decides(s
     tolerance = 1e-6 if thermal is None else 0.05
     before = solved(contacts, [0.0, 0.5], spring, "reset", tolerance).regime
     assert before.verdict == "undecided"
-    far = float(re.search(r"X_T = (\S+)", before.reason)[1].rstrip(";"))
-    after = solved(contacts, [0.0, far], spring, "reset", tolerance)
+    assert f"; drive to X_T = {before.drive_to:.4g}" in before.reason
+    after = solved(contacts, [0.0, before.drive_to], spring, "reset", tolerance)
     assert after.slips.drive.size >= 1 and after.regime.verdict == "stick-slip"
     # the slip came within the last two thirds of that way: no path is asked for in vain
-    assert after.slips.drive[0] > far / 3.0
+    assert after.slips.drive[0] > before.drive_to / 3.0
 
 
 @pytest.mark.slow

@@ -1,7 +1,7 @@
 """The regime of a soft slider, smooth, stick-slip or slips that die out, judged by the slips that were found."""
 
 from dataclasses import dataclass
-from typing import Literal
+from typing import Literal, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -44,6 +44,8 @@ class Regime:
         than 4 slips, and where these drops are not monotone.
     largest_slip : the largest share of the contacts that breaks in a slip; None where that of a slip is not known, and
         without slips. Below SLIP_FRACTION (0.2) these are no slips of the slider.
+    drive_to : X_T to which a longer path tells more, a length; None where the verdict is known, where nobody knows how
+        far, and on paths that turn.
     """
 
     verdict: Verdict
@@ -54,6 +56,15 @@ class Regime:
     slips: int
     trend: float | None
     largest_slip: float | None = None
+    drive_to: float | None = None
+
+
+class _Judged(NamedTuple):
+    """A verdict and why; X_T to which a longer path tells more, a length, None where none is told."""
+
+    verdict: Verdict
+    reason: str
+    drive_to: float | None = None
 
 
 def regime(
@@ -87,20 +98,20 @@ def regime(
     turns = motion is not None and np.ptp(np.sign(motion.speeds)) > 1
     if count and spring >= critical and turns:
         on_spring += ", until the drive turns: F may fall more steeply then"
-    verdict: Verdict = "undecided"
     largest: float | None = None
+    drive_to: float | None = None
     if (
         unknown := not found.error_of_force_and_load < UNRELIABLE
     ) or found.force.size < drive.path.size:
+        verdict: Verdict = "undecided"
         reason = NOTHING_KNOWN if unknown else f"{count} slips up to where the solution stopped"
     elif not count:  # K* is that of a rigid slider; a soft slider's speed differs from the drive's
-        lacking = _lacking(contacts, drive, found, critical, latest)
-        verdict = "undecided" if lacking else "smooth"
+        verdict, lacking, drive_to = _without_slips(contacts, drive, found, critical, latest)
         reason = f"{on_spring}; no slip up to the end of the path{lacking}"
     else:
-        verdict, reason = _by_slips(contacts, drive, found, trend)
+        verdict, reason, drive_to = _by_slips(contacts, drive, found, trend)
         if verdict != "decaying transient" and (ahead := found.slips_ahead()).all_found:
-            verdict, reason = "decaying transient", ahead.behind(count)
+            verdict, reason, drive_to = "decaying transient", ahead.behind(count), None
         speeds = np.empty(0) if motion is None else motion.speeds
         if verdict == "stick-slip" and (
             unfed := unfed_swings(contacts, drive, slips, critical, speeds, trend)
@@ -116,25 +127,28 @@ def regime(
             renewed = ", although a reset renews all" if drive.slip == "reset" else ""
             reason += f", fewer than {SLIP_FRACTION:g}: no stick-slip of the slider{renewed}"
         reason = f"{reason}; {on_spring}"
+    if drive_to is not None:  # a little farther, so that its first four digits are far enough, too
+        last_step = drive.path[-1] - np.append(found.balance, drive.path)[-2]
+        drive_to += 5e-4 * abs(drive_to) * float(np.sign(last_step))
+        reason += f"; drive to X_T = {drive_to:.4g}"
     if abs(spring - critical) <= error:
         reason += f"; K* is known to {error:.1e} only, and K is nearer"
     ratio = spring / critical if critical else np.inf
-    return Regime(verdict, reason, critical, error, ratio, count, trend, largest)
+    return Regime(verdict, reason, critical, error, ratio, count, trend, largest, drive_to)
 
 
-def _by_slips(
-    contacts: Contacts, drive: Drive, found: Followed, trend: float | None
-) -> tuple[Verdict, str]:
+def _by_slips(contacts: Contacts, drive: Drive, found: Followed, trend: float | None) -> _Judged:
     """Whether the slips up to the end of the path continue or fade."""
     spring, slips = float(drive.spring or 0.0), found.slips
     drops, count = np.abs(slips.drop), slips.drive.size
     slipped = f"{count} slips" if count > 1 else "1 slip"
     counted = f"{slipped} up to the end of the path"
     if drive.slip == "reset" and count > 1:
-        return "stick-slip", f"{counted}, and a reset leaves contacts that slip again"
+        return _Judged("stick-slip", f"{counted}, and a reset leaves contacts that slip again")
     if (anew := _begins_anew(contacts, drive, found)).size:
         which = f"slip {anew[0] + 1}" if anew[0] else "the first"
-        return "stick-slip", f"{counted}, and after {which} all contacts begin again as at first"
+        again = f"{counted}, and after {which} all contacts begin again as at first"
+        return _Judged("stick-slip", again)
     silent = abs(float(drive.path[-1] - slips.drive[-1]))
     # contacts that broke in a slip wait for their delay, and then bear the slider until they break again
     motion = drive_motion(drive, found.balance)
@@ -145,48 +159,45 @@ def _by_slips(
     # slips are over if the last is this many times the longest period ago
     if silent > 1.5 * longest and not found.slips_ahead().drive:
         over = f"then none for {silent / longest:.3g} times the longest period"
-        return "decaying transient", f"{slipped}, {over}"
+        return _Judged("decaying transient", f"{slipped}, {over}")
     if _alike_and_new(contacts, drive, found):
-        return (
-            "stick-slip",
-            f"{counted}, the last three alike, each of which leaves all contacts new",
-        )
+        alike = f"{counted}, the last three alike, each of which leaves all contacts new"
+        return _Judged("stick-slip", alike)
     if count < FEWEST:
         farther = _farther(drive, slips, (FEWEST + 1 - count) * longest)
-        return "undecided", f"{counted} are too few to tell{farther}"
+        return _Judged("undecided", f"{counted} are too few to tell", farther)
     # a drop is known to the error of its two forces
     unsure = 2.0 * found.error_of_force_and_load * contacts.mean_threshold
     faded = trend is not None and trend < -STEADY
     if faded and drops[count // 2] - drops[-1] <= unsure:
         if unsure <= OF_DROP * drops[-1]:
-            return "stick-slip", f"{counted}, their drops alike within their errors"
-        return (
-            "undecided",
-            f"{counted}, which may fade by less than their error; tighten the tolerance",
-        )
+            return _Judged("stick-slip", f"{counted}, their drops alike within their errors")
+        may = f"{counted}, which may fade by less than their error; tighten the tolerance"
+        return _Judged("undecided", may)
     if trend is not None and trend < -STEADY and (limit := limit_of(drops)) > LASTING * drops[-1]:
-        fading = f"whose drops fade ever less, perhaps to {limit:.3g}"
-        return "undecided", f"{counted}, {fading}{_farther(drive, slips, count * longest)}"
+        fading = f"{counted}, whose drops fade ever less, perhaps to {limit:.3g}"
+        return _Judged("undecided", fading, _farther(drive, slips, count * longest))
     if trend is not None and trend < -STEADY:
         may_keep_step = drive.slip == "instant" and contacts.thresholds.atoms[1].sum() > 0.5
         fades = f"{count} slips, each drop {-trend:.2%} smaller than the last"
-        return "undecided" if may_keep_step else "decaying transient", fades
+        return _Judged("undecided" if may_keep_step else "decaying transient", fades)
     # the largest of the last third beside that of the last two thirds
     late, longer = float(drops[-(count // 3) :].max()), float(drops[count // 3 :].max())
     if trend is not None or late >= (1.0 - STEADY) * longer:
-        return "stick-slip", f"{counted}, their drops not fading: the largest of late is {late:.3g}"
+        lasting = f"{counted}, their drops not fading: the largest of late is {late:.3g}"
+        return _Judged("stick-slip", lasting)
     if closes_in(drops) and unsure <= OF_DROP * drops[-1]:
-        return "stick-slip", f"{counted}, each drop between the two before it"
-    return "undecided", f"{counted}, whose drops go up and down: lengthen it"
+        return _Judged("stick-slip", f"{counted}, each drop between the two before it")
+    return _Judged("undecided", f"{counted}, whose drops go up and down: lengthen it")
 
 
-def _farther(drive: Drive, slips: Slips, way: float) -> str:
-    """The advice to drive by so much beyond the last slip; none on a path that turns, which does not go on so."""
+def _farther(drive: Drive, slips: Slips, way: float) -> float | None:
+    """X_T so far beyond the last slip; None on a path that turns, which does not go on so."""
     steps = np.diff(drive.path)
     if steps.min(initial=0.0) < 0.0 < steps.max(initial=0.0):
-        return ""
+        return None
     last = float(slips.drive[-1])
-    return f"; drive to about X_T = {last + np.sign(last) * way:.3g}"
+    return last + float(np.sign(last)) * way
 
 
 def _begins_anew(contacts: Contacts, drive: Drive, found: Followed) -> NDArray[np.int64]:
@@ -228,11 +239,11 @@ def _oldest_threshold(contacts: Contacts, drive: Drive, found: Followed) -> floa
     return contacts.oldest_threshold(float(drive.arrival_times(found.balance)[-1]))
 
 
-def _lacking(
+def _without_slips(
     contacts: Contacts, drive: Drive, found: Followed, critical: float, latest: float
-) -> str:
-    """Why a path without slips does not yet prove smooth sliding, and how far to drive; "" if it does. `latest`: X_T
-    before which a slider that is as fast as its drive slips below K*, nan where unknown.
+) -> _Judged:
+    """Whether a path without slips proves smooth sliding; if not, what it lacks. `latest`: X_T before which a slider
+    that is as fast as its drive slips below K*, nan where unknown.
 
     Without ageing it cannot slip above K* before it turns; with heat it may creep with the drive on a softer spring and
     never slip. With ageing, contacts under a slider that runs ahead have no time to age: F drops more steeply than on a
@@ -240,24 +251,23 @@ def _lacking(
     """
     ages = contacts.changing is not None
     spring = float(drive.spring or 0.0)
+    smooth = _Judged("smooth", "")
     if not ages and spring >= critical:
-        return ""
+        return smooth
     if found.steady_from is not None:  # known to creep on without slips
         last_step = float(drive.path[-1] - np.append(found.balance, drive.path)[-2])
         if last_step * (found.steady_from - drive.path[-1]) <= 0.0:
-            return ""
-        # four digits are rounded by up to 5e-4, and must not lie before it
-        later = found.steady_from + 5e-4 * abs(found.steady_from) * np.sign(last_step)
-        where = f"from X_T = {later:.4g} on, as it creeps there"
-        return f", but F is that of steady sliding, to the tolerance, only {where}; drive as far"
+            return smooth
+        lacks = ", but F, which creeps to that of steady sliding, is not there to the tolerance"
+        return _Judged("undecided", lacks, found.steady_from)
     motion = drive_motion(drive, found.balance)
     moving = np.flatnonzero([] if motion is None else motion.speeds)
     if motion is None or not moving.size or not (ages or "thermal" in contacts.laws):
         if drive.mass is not None and drive.forward and drive.path[-1] > latest:
-            return ""  # it fell by less than what counts as a slip
+            return smooth  # it fell by less than what counts as a slip
         if drive.forward and np.isfinite(latest):
-            return f", but the first one comes before X_T = {latest:.3g}; drive as far"
-        return ", but it ends before a first slip may come; lengthen it"
+            return _Judged("undecided", ", but the first one comes later", latest)
+        return _Judged("undecided", ", but it ends before a first slip may come; lengthen it")
     times, place = drive.arrival_times(found.balance), drive.path - found.force / spring
     begin, speed = motion.times[moving[-1]], abs(motion.speeds[moving[-1]])
     slid = abs(place[-1] - np.interp(begin, np.append(0.0, times), np.append(0.0, place)))
@@ -268,11 +278,13 @@ def _lacking(
         text = f", but one may come until the slider has gone on by {far:.3g}"
         # the slider is behind its drive by F/K: once F is largest, it goes as far as the drive
         ahead = max(latest + far, float(abs(drive.path[-1])) + far - slid)
-        forward = drive.forward and ahead > 0.0
-        return f"{text}; {f'drive to X_T = {ahead:.3g}' if forward else 'lengthen the path'}"
+        if drive.forward and ahead > 0.0:
+            return _Judged("undecided", text, ahead)
+        return _Judged("undecided", f"{text}; lengthen the path")
     force = np.abs(found.force)
     # 0.1 of the rise of F over the last step of the path if the slider sticks: less may be rounding, or errors
     rise = 0.1 * spring / (1.0 + spring) * abs(drive.path[-1] - drive.path[-2:][0])
     if force[-1] > force[:-1].max(initial=0.0) + rise:
-        return ", where the force still rises as high as never before; lengthen it"
-    return ""
+        lacks = ", where the force still rises as high as never before; lengthen it"
+        return _Judged("undecided", lacks)
+    return smooth

@@ -39,6 +39,7 @@ _KEYS = {
     "critical_spring": "K*/(N_c<k>) of a rigid slider",
     "critical_spring_error": "of K*/(N_c<k>)",
     "stiffness_ratio": "K/K*",
+    "drive_to": "where the drive is to end for an undecided verdict to be told [length]",
     "outrun": "X from which contacts stand beyond P_c (Q15) [length]; null: nowhere",
     "largest_mass_defect": "of P_c (Q15): its integral less 1",
     "largest_positivity_defect": "of P_c (Q15): its weight below 0",

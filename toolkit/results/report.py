@@ -1,6 +1,5 @@
 """What a run prints of its result: a line for each solver with its error and its run time."""
 
-import re
 from collections import Counter
 from typing import Any
 
@@ -18,8 +17,6 @@ from toolkit.results.verdicts import DISAGREE, contradiction
 from toolkit.scene.interfaces import in_a_line
 from toolkit.scene.scale import spoken, with_error, with_uncertainty
 
-# in the reason of an undecided regime: how far to drive, a number and the prefix of metres, where it is in metres
-_FARTHER = r"X_T = ([-+.\de]+)(?: ([fpnµm])m\b)?"
 _SEEN = 1e-6  # of a period: a smaller error, numerical as a rule, is not told
 APART = 6.0  # standard errors at which both solvers do not agree; chance makes about 3
 
@@ -108,23 +105,15 @@ def _regime(verdict: str, message: str) -> str:
 def _farthest(result: Any) -> str:
     """How far the undecided points of a sweep ask to be driven, the one that asks for most told; "" where none says."""
     sweep = result.sweep
-    most, whose = 0.0, 0
-    for row, (regime, why) in enumerate(zip(sweep["regime"], sweep["regime_reason"], strict=True)):
-        asked = re.search(_FARTHER, why)
-        if regime == "undecided" and asked and (way := _length(*asked.groups())) > most:
-            most, whose = way, row
-    if not most:
+    ways = np.abs(sweep.columns.get("drive_to", np.array([np.nan])))
+    if np.isnan(ways).all():
         return ""
-    at = ", ".join(f"{key} = {sweep[key][whose]}" for key in sweep.along)
-    how_far = spoken(most, result.scale.length_unit)
+    most = int(np.nanargmax(ways))
+    at = ", ".join(f"{key} = {sweep[key][most]}" for key in sweep.along)
+    how_far = spoken(sweep["drive_to"][most], result.scale.length_unit)
     return (
         f"; undecided ones ask for a longer drive, up to X_T = {how_far} (at {at}): see sweep.csv"
     )
-
-
-def _length(number: str, prefix: str | None) -> float:
-    """A length as `written` has it."""
-    return float(number) * 1e3 ** ("fpnµm".index(prefix) - 5 if prefix else 0)
 
 
 def agreeing(result: Any) -> bool:

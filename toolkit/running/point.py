@@ -99,6 +99,8 @@ def _by_master(scene: Scene) -> tuple[Any, dict[str, Column]]:
             f"{solved.regime.verdict}{' for infinitely many contacts only' * only}"
         )
         found["regime_reason"] = Column(solved.regime.reason)
+        farther = solved.regime.drive_to
+        found["drive_to"] = Column(np.nan if farther is None else farther, unit)
         answered = is_precise(solved)
         found["slips"] = Column(slips.drive.size if answered else np.nan)
         period = solved.period if answered else None
