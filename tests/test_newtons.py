@@ -189,8 +189,10 @@ def test_the_table_of_thresholds_is_in_the_same_units(capsys: Any) -> None:
         )
         for start, own in zip(("  kinetic force", "  critical spring"), unit, strict=True):
             (line,) = (line for line in lines if line.startswith(start))
-            # with an SI prefix, as those of other numbers of a surface
+            # with an SI prefix, as those of other numbers of a surface; K* has two digits
             assert line.split()[-1].endswith(own)
+            digits = re.sub(r"\D", "", line.split()[-2].partition("e")[0]).lstrip("0")
+            assert len(digits.rstrip("0")) <= (3 if "force" in start else 2)
     found = json.loads(Path("mine-output/thresholds.json").read_text())["numbers"]
     surface = toolkit.load_scene(scene(ROUGH)).contacts.interface
     friction = surface.friction_coefficient * 1e6 * AREA

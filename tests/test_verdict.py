@@ -1736,7 +1736,7 @@ def test_with_a_delay_the_headline_ends_with_the_reach_of_the_force_before_a_sli
         for one, force in forces
     )
     said = sentence(replace(found, answers=each))
-    told = "the force before a slip by the 3 of 3 readings that slip is 500 mN to 900 mN"
+    told = "the force before a slip over all 3 readings is 500 mN to 900 mN"
     assert sentence(found).endswith("; F_k of the 3 readings is 400 mN to 1.20 N")
     assert said.endswith(f"; {told}")
     # another reading's slips under a rule that does not decide the own one are no reach of its force

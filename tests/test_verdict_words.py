@@ -84,17 +84,20 @@ def test_a_range_of_forces_has_the_digits_of_their_errors() -> None:
     other = replace(own, name="b", behaviours=(slips("mass", before=3.13, error=0.3),))
     verdict = replace(told(), answers=(own, other))
     assert range_of_force(verdict).endswith(
-        "is 2.1 N_c<k>·length to 3.1 N_c<k>·length, each known to ± 0.30 N_c<k>·length or better"
+        "is 2.1 N_c<k>·length to 3.1 N_c<k>·length, with errors of up to 0.30 N_c<k>·length"
     )
     sharp = (slips("mass", before=3.13, error=1e-5),)
     verdict = replace(told(), answers=(own, replace(other, behaviours=sharp)))
-    assert "is 2.1 N_c<k>·length to 3.130 N_c<k>·length, each" in range_of_force(verdict)
+    assert "is 2.1 N_c<k>·length to 3.130 N_c<k>·length, with" in range_of_force(verdict)
     between = replace(other, name="c", behaviours=(slips("mass", before=3.05, error=0.3),))
     own, other = (replace(one, behaviours=sharp) for one in (own, other))
     own = replace(own, behaviours=(replace(sharp[0], before=2.09),))
     for given, told_too in (((own, other), False), ((own, other, between), True)):
         said = range_of_force(replace(verdict, answers=given))
-        assert "is 2.090 N_c<k>·length to 3.130" in said and ("each known to" in said) == told_too
+        assert (
+            "is 2.090 N_c<k>·length to 3.130" in said
+            and ("with errors of up to" in said) == told_too
+        )
     # ends that lie nearer to each other than their errors are none
     near = replace(own, behaviours=(slips("mass", before=2.99, error=0.3),))
     said = range_of_force(replace(verdict, answers=(near, other)))
@@ -107,10 +110,10 @@ def test_a_range_beside_slips_of_the_areas_contacts_is_of_infinitely_many() -> N
     other = replace(given.own, name="b", behaviours=(slips("reset", before=0.6213, error=1e-5),))
     few = Finite("reset", 500, "stick-slip", 0.58, 5e-3, 0.0, 5e-3, 9.0, period=60.0)
     verdict = replace(given, answers=(given.own, other))
-    plainly = "the force before a slip by the 2 of 2 readings that slip is 0.6034 N"
+    plainly = "the force before a slip over all 2 readings is 0.6034 N"
     assert range_of_force(verdict).startswith(plainly)
     said = range_of_force(replace(verdict, finite=(few,)))
-    assert said.startswith("the force before a slip with infinitely many contacts by the 2 of 2")
+    assert said.startswith("the force before a slip with infinitely many contacts over all 2")
     assert said.endswith("is 0.603 N_c<k>·length to 0.621 N_c<k>·length")
 
 

@@ -255,8 +255,8 @@ def table_of(
     smoothed: bool = False,
 ) -> list[str]:
     """The table as lines of text without the numbers `hidden`, which are there in SI units, too; where contacts have
-    `laws`, the numbers of sliding say whether these are in them. Those of a `surface` have three digits, as other
-    models and resolutions of it change them by far more than their numerical errors; K* of islands whose P_c is
+    `laws`, the numbers of sliding say whether these are in them. Those of a `surface` have three digits, K* two, as
+    other models and resolutions of it change them by far more than their numerical errors; K* of islands whose P_c is
     `smoothed` is no number of theirs."""
     sliding = [name for name in found.numbers if name.startswith((*PROPENSITY, "kinetic_force"))]
     labels = dict.fromkeys(sliding, "with laws")
@@ -275,8 +275,9 @@ def table_of(
         elif np.isinf(number.value):
             value, unit = "infinite", ""
         elif surface and (number.error or 0.0) <= SEEN * abs(number.value):
-            # F_s - F_k is a small part of F_s
-            digits = 5 if name == "static_to_kinetic" else 3
+            # F_s - F_k is a small part of F_s; K* changes by orders of magnitude
+            digits = 2 if name.startswith("critical_spring") else 3
+            digits = 5 if name == "static_to_kinetic" else digits
             value, unit = written(number.value, unit, digits=digits), ""
         elif unit in PREFIXED and 0.0 < (number.error or 0.0) < np.inf:
             value, unit = with_scatter(number.value, number.error or 0.0, unit, digits=8), ""

@@ -51,7 +51,7 @@ def _of_answer(answer: Answer) -> dict[str, Any]:
             "spring": scale.spring_unit,
             "length": scale.length_unit,
             "time": scale.time_unit,
-            "damping": f"{scale.spring_unit} {scale.time_unit}",
+            "damping": scale.damping_unit,
             "error": "mean thresholds <x_s>",
         }
     }

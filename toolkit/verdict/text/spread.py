@@ -55,7 +55,8 @@ def range_of_force(verdict: Verdict, whose: str = "") -> str:
         off = _error_of_area(verdict) * scale.force
         forces = [one for each in befores for one in each]
         whom = " with infinitely many contacts" * bool(off)
-        what = f"the force before a slip{whom} by the {slip} of {len(answers)} readings that slip"
+        by = f"all {slip}" if slip == len(answers) else f"the {slip} of {len(answers)}"
+        what = f"the force before a slip{whom} over {by} readings{' that slip' * (slip < len(answers))}"
     # each to the digit of its own error, or that of the answer, where that is the wider one
     ends = (
         to_digits(force, scale.force_unit, uncertainty * force, max(error, off), is_vague(verdict))
@@ -70,7 +71,7 @@ def range_of_force(verdict: Verdict, whose: str = "") -> str:
         each = (written(end, scale.force_unit, digits=2) for end in (low, high))
         return f"{what} is {' to '.join(each)}, with the error of each"
     if error > WORTH_TELLING * force:
-        said += f", each known to ± {prefixed_like(error, force, scale.force_unit)} or better"
+        said += f", with errors of up to {prefixed_like(error, force, scale.force_unit)}"
     return said
 
 
