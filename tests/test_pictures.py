@@ -183,6 +183,21 @@ def test_a_comparison_promises_no_slip_of_a_slider_with_mass() -> None:
         assert ("without mass slips" in springs) == bool(mass)
 
 
+def test_points_of_ensembles_stand_apart_in_a_comparison() -> None:
+    """Those of each scene between those of the others, with a mark of its own; lines have none then."""
+    asked = {"drive": {"to": 2.0, "points": 81}, "eq": {"contacts": 100, "replicas": 2, "seed": 1}}
+    laws = (GAUSSIAN, GAUSSIAN | {"std": 0.2}, GAUSSIAN | {"std": 0.3})
+    force = draw_comparison(
+        compare([toolkit.load_scene(scene(one, **asked)) for one in laws])
+    ).axes[2]
+    points = [each.lines[0] for each in force.containers]
+    assert [one.get_marker() for one in points] == ["o", "s", "^"]
+    places = np.concatenate([one.get_xdata() for one in points])
+    assert np.unique(places.round(2)).size == places.size == 61 and (
+        force.lines[0].get_marker() == "None"
+    )
+
+
 def test_curves_are_of_colours_by_okabe_and_ito_and_of_different_marks() -> None:
     styles = [style_of(number) for number in range(12)]
     assert {one["color"] for one in styles} <= set(OKABE_ITO)
@@ -242,6 +257,7 @@ def test_comparison_of_scenes_that_are_decades_apart_or_share_a_surface() -> Non
     # from X = 0, which has no place there, a line would lead to the first point at one level
     drawn = [line.get_xdata() for line in force.lines if len(line.get_xdata()) > 2]
     assert len(drawn) == len(verdicts) and all(np.min(place) > 0.0 for place in drawn)
+    assert [line.get_marker() for line in force.lines[::2]] == ["o", "s", "^"]
     assert springs.texts[0].get_text() == "infinite" and "ensemble" not in force.get_title()
     # a logarithmic axis has no zero for a bar to begin at
     assert not springs.patches and len(marks_of(springs)) == len(verdicts)

@@ -456,6 +456,15 @@ def test_a_path_too_short_for_a_slip_is_no_smooth_sliding() -> None:
     }
     hollow = [line for line in axes.lines if line.get_markerfacecolor() == "none"]
     assert [[*line.get_xdata()] for line in hollow] == [[0.01], [0.01], []]
+    only = {"drive.spring": [0.01, 5.0]}  # without a slip anywhere
+    none = plot_points(
+        Figure().subplots(),
+        toolkit.run(scene(WIDE, drive=DRIVE, master={"tolerance": 1e-3}, sweep=only)),
+    )
+    hollow = [line for line in none.lines if line.get_markerfacecolor() == "none"]
+    assert [[*line.get_xdata()] for line in hollow] == [[0.01], []]
+    (text,) = none.get_legend().get_texts()
+    assert text.get_text() == "hollow, at no force: not decided whether it slips"
     (line,) = [line for line in report(done) if line.startswith("regime")]
     asked = done.sweep["drive_to"]
     assert [*np.isnan(asked)] == [False] * 2 + [True] * 4

@@ -92,7 +92,7 @@ def test_stick_slip_ends_above_a_drive_speed_and_comes_back_at_a_lower_one() -> 
     assert mean == pytest.approx(0.52 / 2.4 + 0.013 * 14.0, rel=0.01)
     # the picture marks all slips, which points of the path show, each near a largest speed of these
     axes, slips = plot_velocity(Figure().subplots(), done), done.eq.slips
-    (marks,) = (line for line in axes.lines if line.get_label() == "top speed of a slip")
+    (marks,) = (line for line in axes.lines if line.get_label() == "top speed of a slip, EQ")
     speed = np.interp(marks.get_xdata(), done.time, done.eq.velocities[0])
     assert slips.drive.size == speed.size > 40
     assert np.abs(speed / slips.top_speed - 1.0).max() < 0.02

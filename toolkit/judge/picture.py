@@ -11,7 +11,6 @@ from toolkit.pictures.axes import (
     in_lines,
     legend_above,
     name_axis,
-    some_of,
     spring_name,
     style_of,
 )
@@ -22,6 +21,7 @@ from toolkit.scene.scale import SHARED, written
 _APART = 20.0  # lengths or heights that differ by more need a logarithmic axis
 _SEEN = 1e-3  # of K*: shorter lines, of numerical errors, would be ticks
 _MARKS = 0.1  # distance of the marks of a curve, in diagonals of the axes
+_POINTS = 20  # of an ensemble's curve: as many as stand apart beside those of some other scenes
 
 
 class _Styled:
@@ -97,16 +97,22 @@ def _thresholds(axes: Any, styled: list[_Styled]) -> None:
 
 
 def _forces(axes: Any, styled: list[_Styled]) -> None:
-    """F(X): master equation as lines, ensemble as error bars of one standard error; F_k of each scene at the edge."""
+    """F(X): master equation as lines, ensemble as error bars of one standard error; F_k of each scene at the edge.
+    Where no scene has an ensemble, whose points they might be taken for, lines have the marks of their scenes."""
     extents, curves = list[float](), list[Any]()
-    for one in styled:
+    simulated = any(one.scene.result.eq is not None for one in styled)
+    for number, one in enumerate(styled):
         unit, solved, eq = one.length, one.scene.result.master, one.scene.result.eq
         extents += [float(curve.path[-1]) / unit for curve in (solved, eq) if curve is not None]
         if solved is not None and is_precise(solved):
-            curves += axes.plot(solved.path / unit, solved.force * one.force, zorder=3, **one.line)
+            marked = one.style | {"markevery": (0.02 * number, _MARKS)}
+            style = one.line if simulated else marked
+            curves += axes.plot(solved.path / unit, solved.force * one.force, zorder=3, **style)
         if eq is not None:
-            some = some_of(eq.path.size, 33)
-            bars: dict[str, Any] = {"fmt": one.style["marker"], "ms": 3, "lw": 0.8, "capsize": 1.5}
+            # those of each scene between those of the others
+            each = max(eq.path.size // _POINTS, 1)
+            some = np.arange(number * each // len(styled), eq.path.size, each)
+            bars: dict[str, Any] = {"fmt": one.style["marker"], "ms": 5, "lw": 0.8, "capsize": 1.5}
             error = eq.force_standard_error[some] * one.force
             bars |= {"color": one.style["color"], "yerr": error}
             axes.errorbar(eq.path[some] / unit, eq.force[some] * one.force, **bars)
@@ -124,7 +130,6 @@ def _forces(axes: Any, styled: list[_Styled]) -> None:
     levels = [one.kinetic * one.force for one in styled]
     if levels and max(levels) > _APART * min(levels):
         axes.set(yscale="log", ylim=(min(levels) / 100.0, 2.0 * max(levels)))
-    simulated = any(one.scene.result.eq is not None for one in styled)
     points = ", points: ensemble" if simulated else ""
     axes.set_title(f"lines: master equation{points}, thin: $F_k$", fontsize="medium")
     if styled and styled[0].unit != SHARED:

@@ -76,7 +76,7 @@ def plot_points(
     unused = [sweep[key].ravel() for key in sweep.along if key not in (first, *others)]
     shown = np.logical_and.reduce([own == own[0] for own in unused] or [np.full(x.size, True)])
     names, number, sloped = list(dict.fromkeys(lines)), 0, False
-    undecided = _undecided(sweep) & (_OF_MASTER in columns)
+    undecided = _undecided(sweep) & (name == "kinetic_force")
     for column, said in columns.items():
         value, error = _drawn(result, column)
         for k_th, k in enumerate(some_of(len(names), _LINES)):
@@ -90,7 +90,7 @@ def plot_points(
                 said = f"slope $dF_k/d\\,\\ln v$ = {written(slope, result.scale.force_unit)}"
                 style["label"] = ", ".join(filter(None, [style["label"], said * (slope != 0.0)]))
             axes.errorbar(x[rows], value[rows], error[rows], **style)
-            if column == _OF_MASTER and undecided[rows].any():
+            if column == next(iter(columns)) and undecided[rows].any():
                 height = np.full(undecided[rows].sum(), _LOWEST + k_th * _NEXT)
                 hollow: dict[str, Any] = {"color": style["color"], "marker": style["marker"]}
                 hollow |= {"mfc": "none", "ls": "", "ms": 5, "label": "_"}
@@ -116,7 +116,8 @@ def plot_points(
     # last, as a scale that is set anew has ticks of its own, without the prefix of the unit
     name_axis(axes.yaxis, *_axis_of(name, columns, result))
     # the panels below that of the forces have the same lines
-    if len(columns) > 1 or ((others or marked or sloped) and name in ("force", "kinetic_force")):
+    told = others or marked or sloped or undecided.any()
+    if len(columns) > 1 or (told and name in ("force", "kinetic_force")):
         legend_above(axes, letters=_LETTERS)
     return axes
 

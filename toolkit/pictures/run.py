@@ -234,7 +234,7 @@ def _draw_top_speeds(
     for k in np.flatnonzero(shown):
         at[k] = place[first[k] + np.argmax(np.abs(speed[first[k] : last[k]]))]
     ink, mark = (INK["master"], MARKERS[0]) if replica is None else (INK["eq"], MARKERS[2])
-    label = "top speed of a slip" if replica in (None, 0) else None
+    label = f"top speed of a slip{', EQ' * (replica == 0)}" if replica in (None, 0) else None
     for points_show_it, size in ((True, 2.5), (False, 4.0)):
         some = np.isfinite(at) & (shown == points_show_it)
         if some.any():
