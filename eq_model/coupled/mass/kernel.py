@@ -214,10 +214,11 @@ def slide(slider, contacts, supply, pull):  # type: ignore[no-untyped-def]
                 side = 0
             elif side == 0:
                 motion = motion_of(s, pull, net, stiffness)
-                t, side = first_passage(motion, ahead, behind, most)
+                passage = first_passage(motion, ahead, behind, most)
+                side = passage.side
                 if side == 0 or (known if side > 0 else known_behind):
                     travel = ahead if side > 0 else -behind
-                    slipped = closed_move(s, pull, motion, t, side, travel)
+                    slipped = closed_move(s, pull, motion, passage, travel)
         forms = breaks = np.int64(-1)
         # at a bound, where the slider has not moved yet, the places are looked up
         if side > 0 and not known:

@@ -22,6 +22,8 @@ from eq_model.compiling import bare, inlined
 # where an extreme of the speed is nearer than this (radians of the oscillation, and radians for each radian since the
 # last event), the next one is taken: the first one is that at which the search stands, found anew with another rounding
 NEAR, NEAR_FRACTION = 1e-7, 1e-15
+# radians of the oscillation, and of its decay, on which terms of the fourth order are below rounding
+CLOSE = 1e-4
 
 
 class OscillatorMotion(NamedTuple):
@@ -46,6 +48,15 @@ class Moment(NamedTuple):
     speed: float
 
 
+class Passage(NamedTuple):
+    """When the slider breaks a contact ahead (side 1) or behind (-1), or a time at which it has broken none (0), and
+    the Moment then."""
+
+    time: float
+    side: int
+    there: Moment
+
+
 @inlined
 def make_motion(drift, u, speed, decay, own):  # type: ignore[no-untyped-def]
     """The motion with u(0) = u and u'(0) = speed - drift."""
@@ -57,11 +68,13 @@ def make_motion(drift, u, speed, decay, own):  # type: ignore[no-untyped-def]
 def moment_at(m, t):  # type: ignore[no-untyped-def]
     """The Moment at time t >= 0."""
     if m.rings:
-        fading, angle = np.exp(-m.decay * t), m.beat * t
-        sine, cosine, half = np.sin(angle), np.cos(angle), np.sin(0.5 * angle)
+        faded, angle = np.expm1(-m.decay * t), m.beat * t
+        fading = 1.0 + faded if faded > -0.5 else np.exp(-m.decay * t)
+        sine, cosine = np.sin(angle), np.cos(angle)
         d = fading * sine / m.beat
         # C - 1, which is small at first
-        c = np.expm1(-m.decay * t) * cosine - 2.0 * half * half + m.decay * d
+        c = faded * cosine + m.decay * d
+        c -= sine * sine / (1.0 + cosine) if cosine > 0.0 else 1.0 - cosine
         slope = fading * cosine - m.decay * d
     else:
         slow = -m.own / (m.decay + m.beat) * m.own  # the exponent of what dies slowly
@@ -103,33 +116,50 @@ def begin_of(m):  # type: ignore[no-untyped-def]
     return Moment(0.0, 0.0, m.u, m.speed, m.drift + m.speed)
 
 
+@inlined
+def _moved(m, here, t):  # type: ignore[no-untyped-def]
+    """The Moment a time t behind the Moment `here`, or before it, up to t⁴."""
+    a = acceleration(m, here.u, here.change)
+    jerk = acceleration(m, here.change, a)
+    gone = t * (here.change + t * (0.5 * a + t * (jerk / 6.0)))
+    change = here.change + t * (a + t * (0.5 * jerk))
+    travel = here.travel + (m.drift * t + gone)
+    return Moment(travel, here.gone + gone, here.u + gone, change, m.drift + change)
+
+
 @bare
 def meets(m, is_speed, rises, level, low, high, guess):  # type: ignore[no-untyped-def]
     """The time between `low` and `high` when the way (or the speed), which only rises (or only falls) in between, is
-    `level`, as it is at some time.
+    `level`, as it is at some time; and the Moment then.
 
-    Newton's method from `guess`, and halving where that leaves the interval.
+    Halley's method from `guess`, far away Newton's, and halving where that leaves the interval.
     """
     t = guess if low < guess < high else 0.5 * (low + high)
+    here = moment_at(m, t)
     for _ in range(200):
-        here = moment_at(m, t)
         value, slope = here.travel - level, here.speed
+        bend = acceleration(m, here.u, here.change)
         if is_speed:
-            value, slope = here.speed - level, acceleration(m, here.u, here.change)
+            value, slope, bend = here.speed - level, bend, acceleration(m, here.change, bend)
         if (value >= 0.0) == rises:
             high = t
         else:
             low = t
-        new = t - value / slope if slope != 0.0 else np.inf
+        step = -value / slope if slope != 0.0 else np.inf
+        more = 0.5 * bend * step / slope
+        step /= 1.0 + more if abs(more) < 0.5 else 1.0
+        new = t + step
         if low <= new <= high:
-            if abs(new - t) <= 1e-12 * t:  # the next step would be below rounding
-                return new
+            turned = (m.own + 2.0 * m.decay) * abs(step)
+            # what is left is of the third order, and below rounding
+            if turned < CLOSE and abs(step) * (more * more + turned * turned) <= 1e-13 * t:
+                return new, _moved(m, here, step)
         else:
             new = 0.5 * (low + high)
             if new <= low or new >= high:
-                return new
-        t = new
-    return t
+                break
+        t, here = new, moment_at(m, new)
+    return t, here
 
 
 @inlined
@@ -153,7 +183,7 @@ def speed_at_break(m, there, off):  # type: ignore[no-untyped-def]
 def _safe_until(m, t, here, ahead, behind):  # type: ignore[no-untyped-def]
     """A time until which the slider reaches neither position, as |u| <= (u² + u'²/s²)^(1/2), which never grows; t
     itself if that does not tell."""
-    furthest = np.hypot(here.u, here.change / m.own) * (1.0 + 1e-14)
+    furthest = np.sqrt(here.u**2 + (here.change / m.own) ** 2) * (1.0 + 1e-14)
     w = m.drift
     # the way lies within w t - u(0) ± reach
     for limit in (ahead + m.u, behind - m.u):
@@ -170,7 +200,7 @@ def _safe_until(m, t, here, ahead, behind):  # type: ignore[no-untyped-def]
 
 @bare
 def first_passage(m, ahead, behind, most):  # type: ignore[no-untyped-def]
-    """When the way first reaches `ahead` (1) or -`behind` (-1), both above 0, and which; `most` and 0 if not before.
+    """When the way first reaches `ahead` (side 1) or -`behind` (-1), both above 0; `most` and side 0 if not before.
 
     Between two extremes of the speed the slider turns at most once, so that its way has two parts that go one way each.
     Oscillations that cannot reach a position are passed over.
@@ -184,19 +214,22 @@ def first_passage(m, ahead, behind, most):  # type: ignore[no-untyped-def]
                 break
         end = min(t + next_extreme(m, t, here.u, here.change), most)
         there = moment_at(m, end)
-        turn, middle = end, there.travel
+        turn, middle = end, there
         if here.speed * there.speed < 0.0:
-            turn = meets(m, True, there.speed > 0.0, 0.0, t, end, t)
-            middle = moment_at(m, turn).travel
-        if middle >= ahead:
+            turn, middle = meets(m, True, there.speed > 0.0, 0.0, t, end, t)
+        if middle.travel >= ahead:
             guess = t + (ahead - here.travel) / here.speed
-            return meets(m, False, True, ahead, t, turn, guess), 1
-        if middle <= -behind:
+            when, then = meets(m, False, True, ahead, t, turn, guess)
+            return Passage(when, 1, then)
+        if middle.travel <= -behind:
             guess = t - (behind + here.travel) / here.speed
-            return meets(m, False, False, -behind, t, turn, guess), -1
+            when, then = meets(m, False, False, -behind, t, turn, guess)
+            return Passage(when, -1, then)
         if there.travel >= ahead:
-            return meets(m, False, True, ahead, turn, end, turn), 1
+            when, then = meets(m, False, True, ahead, turn, end, turn)
+            return Passage(when, 1, then)
         if there.travel <= -behind:
-            return meets(m, False, False, -behind, turn, end, turn), -1
+            when, then = meets(m, False, False, -behind, turn, end, turn)
+            return Passage(when, -1, then)
         t, here = end, there
-    return most, 0
+    return Passage(most, 0, here)

@@ -8,7 +8,7 @@ import numpy as np
 
 from eq_model.compiling import inlined, unsigned
 from eq_model.coupled.mass.integrals import motion_integrals
-from eq_model.coupled.mass.motion import make_motion, moment_at, speed_at_break
+from eq_model.coupled.mass.motion import make_motion, speed_at_break
 from eq_model.coupled.mass.state import pass_time, speed_limit
 from eq_model.coupled.mass.swings import see_turns
 
@@ -161,11 +161,11 @@ def motion_of(s, pull, net, stiffness):  # type: ignore[no-untyped-def]
 
 
 @inlined
-def closed_move(s, pull, motion, t, side, travel):  # type: ignore[no-untyped-def]
-    """Move for a time t in closed form, then a break (side 1 or -1) at `travel`. Returns whether a slip has ended."""
-    there = moment_at(motion, t)
+def closed_move(s, pull, motion, passage, travel):  # type: ignore[no-untyped-def]
+    """Move in closed form up to a passage, a break of which is at `travel`. Returns whether a slip has ended."""
+    t, there = passage.time, passage.there
     speed = there.speed
-    if side == 0:
+    if passage.side == 0:
         travel = there.travel
     else:
         speed = speed_at_break(motion, there, travel - there.travel)

@@ -175,7 +175,7 @@ def see_turns(s, pull, m, t, travel):  # type: ignore[no-untyped-def]
     comes_close = not m.rings and m.drift >= (1.0 - 1e-12) * limit
     at, here = 0.0, begin_of(m)
     while at < t:
-        reach = np.hypot(here.change, m.own * here.u)
+        reach = np.sqrt(here.change**2 + (m.own * here.u) ** 2)
         if not s.falling:
             if m.drift + reach <= limit:
                 break  # it never gets as fast again
@@ -194,10 +194,10 @@ def see_turns(s, pull, m, t, travel):  # type: ignore[no-untyped-def]
             level = slow_again(s, limit) if comes_close else limit
             over = there.speed <= level
         if over:
-            when = at
+            when, then = at, here
             if (here.speed > level) == s.falling:
-                when = meets(m, True, not s.falling, level, at, end, at)
-            before, behind = t - when, travel - moment_at(m, when).travel
+                when, then = meets(m, True, not s.falling, level, at, end, at)
+            before, behind = t - when, travel - then.travel
             if s.falling:
                 end_fall(s, pull, before, behind)
             else:
