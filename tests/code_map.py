@@ -217,9 +217,13 @@ QUESTIONS = {
         "master/soft/inertia/delayed/swinging.py:Swinging.swing",
     ),
     "errors of energies of a slider with mass: of each part; by runs; by steps": (
-        "master/soft/inertia/energies.py:energy_errors",
+        "master/soft/inertia/energy_errors.py:energy_errors",
         "master/soft/inertia/runs.py:Runs.energy_error",
         "master/soft/inertia/in_time/energy_errors.py:energies_told",
+    ),
+    "energies of a slider with mass by the master equation: on a closed motion; at the points": (
+        "master/soft/inertia/oscillation.py:Oscillation.spent",
+        "master/soft/inertia/run.py:Run.energy",
     ),
     "energies of a slider with mass in the ensemble: on a move; of breaks; of spring and motion; their balance": (
         "eq_model/coupled/mass/state.py:pass_time",

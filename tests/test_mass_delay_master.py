@@ -261,7 +261,7 @@ def test_few_contacts_do_not_pull_a_slider_that_swings_over_a_million_of_thresho
     body.past.lumps.append((0.75 * 2.0 * np.pi - delay, 0.0))
     assert swinging.swing() is SwingEnd.LUMP_FORMS
     assert body.state.x == pytest.approx(-5e5, rel=1e-5)
-    assert body.contacts.unbroken() == 0.0 and abs(body.energies.on_contacts) < 1e-3
+    assert body.contacts.unbroken() == 0.0 and abs(body.spent.on_contacts) < 1e-3
 
 
 class SeenSwinging:
@@ -271,7 +271,7 @@ class SeenSwinging:
         self.machine = SliderConstants(1e-6, damping, 1e-3, 1.0)
         self.drive = DrivePath(Motion(np.array([0.0, 1e5]), np.array([0.0, 1e5])))
         self.contacts = Cohorts.at_start(delayed(0.1), Survival(WIDE))
-        self.past, self.energies, self.contact_force = PastBreaks(0.1, 1.0), (0.0, 0.0, 0.0), 0.5
+        self.past, self.spent, self.contact_force = PastBreaks(0.1, 1.0), (0.0, 0.0, 0.0), 0.5
         self.state, self.times = SliderState(0.0, 0.0, 1.0), np.linspace(0.0, 1e5, 11)
 
     def asked(self, begin: float, end: float) -> slice:
@@ -290,7 +290,7 @@ def look_at_swings(size, *, stops: bool, damping: float = 1.0):
         # 40 panels a swing
         force = 0.5 + size(t) * np.sin(2.0 * np.pi * t / 40.0)
         speed = 1.0 + (0.99 if stops else 0.3) * np.cos(2.0 * np.pi * t / 40.0)
-        body.energies = (force * t, 0.1 * t, (force - 0.1) * t)
+        body.spent = (force * t, 0.1 * t, (force - 0.1) * t)
         body.state = SliderState(t, t - force / 1e-3, speed)
         if (found := swings.goes_on()) is not None:
             return found, record

@@ -8,7 +8,7 @@ from solving import WALL_TIME
 
 import master
 import origins
-from master.soft.inertia.energies import PARTS
+from master.soft.inertia.energy_errors import PARTS
 
 WIDE = origins.gaussian(1.0, 0.5)
 

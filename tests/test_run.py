@@ -19,7 +19,7 @@ from solving import same_bits
 import eq_model
 import master
 import toolkit
-from master.soft.inertia.energies import PARTS, EnergyError
+from master.soft.inertia.energy_errors import PARTS, EnergyError
 from master.soft.inertia.run import SlipsInTime
 from origins.energy import Energy
 from origins.errors import InputError

@@ -241,7 +241,7 @@ def _read_master(group: Any) -> SolvedRecord:
     slider, and with energies where it has a mass."""
     if "position" not in group:
         return _read(group, SolvedRecord)
-    from master.soft.inertia.energies import EnergyError
+    from master.soft.inertia.energy_errors import EnergyError
     from master.soft.inertia.run import SlipsInTime
     from master.soft.regime import Regime
     from master.soft.slips import Slips

@@ -19,6 +19,6 @@ takes steps of time. Weak heat is left out: `heat_left_out.py` says whether a sl
 swings of steady sliding grow, and how large, is told by `growing_swings.py`.
 
 In reading order: `slider.py`, `body.py`, `reaction.py`, the three modes, `record.py`, `run.py`, `short_delay.py`,
-`runs.py`, `energies.py`, `solution.py`; then `delayed/` and `in_time/`.
+`runs.py`, `energy_errors.py`, `solution.py`; then `delayed/` and `in_time/`.
 Tests: tests/test_mass_master.py, test_mass_turns.py, test_mass_energy.py, test_mass.py and test_mass_agreement.py.
 """

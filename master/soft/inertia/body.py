@@ -7,7 +7,7 @@ import numpy as np
 from master.motion import Motion
 from master.soft.cold_contacts import ColdContacts
 from master.soft.inertia.reaction import Reaction
-from master.soft.inertia.record import Instant, Record, Watched
+from master.soft.inertia.record import NOTHING_SPENT, Instant, Record, Watched
 from master.soft.moves import LoadingHistory
 from origins.drive import Drive
 from origins.thresholds.law import Array
@@ -32,7 +32,7 @@ class Body:
     fastest : largest change in a radian with which the slider follows slowly
     move, base : the contacts' present move, and X where it began
     y, w : travel on it, and speed along it
-    work, damped, on_contacts : see Record
+    spent : energies from t = 0 on
     broken : breaks per contact before that move
     steps, turns : number of the integrator's steps and of turns so far
     drive_direction : of the drive, +1 or -1, in a hold the one before
@@ -58,7 +58,7 @@ class Body:
         self.stiff, self.quiet = 1.0 + self.spring, QUIET * tolerance
         self.t, self.leg = 0.0, 0
         self.base, self.y, self.w = 0.0, 0.0, 0.0
-        self.work = self.damped = self.on_contacts = self.broken = 0.0
+        self.spent, self.broken = NOTHING_SPENT, 0.0
         self.steps = self.turns = 0
         moving = motion.speeds[motion.speeds != 0.0]
         self.drive_direction = int(np.sign(moving[0])) if moving.size else 1

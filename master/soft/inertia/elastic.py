@@ -7,7 +7,7 @@ import numpy as np
 from master.outcome import StoppedError
 from master.soft.inertia.body import RINGS, Body, Mode
 from master.soft.inertia.closed_falls import watch_closed
-from master.soft.inertia.oscillation import Oscillation
+from master.soft.inertia.oscillation import Held, Oscillation, Pulled
 from master.soft.inertia.reaction import Reaction
 from master.soft.inertia.record import Instant, Watched, crossing
 from origins.thresholds.law import Array
@@ -139,22 +139,17 @@ class Elastic(Body):
 
     def _record_elastic(self, motion: Oscillation, lasts: float, until: float) -> None:
         """Energies up to the time `until`, and results at the asked times."""
-        which = self.record.between(self.t, until)
-        at = np.append(self.record.times[which] - self.t, lasts)
-        d, y, w = self.move.direction, motion.travel(at), motion.speed(at)
-        force = self._top_force + (y - self._top)
-        pull, rate, k = float(self._pull(self.t)), self.spring * self._speed, self.spring
-        mean = (pull - k * motion.centre) * at + 0.5 * (rate - k * motion.drift) * at**2
-        work = self.work + self._speed * (mean - k * motion.departure_integral(at))
-        damped = self.damped + self.damping * motion.squared_speed(at)
-        begin = self._top_force + self.y - self._top
-        on_contacts = self.on_contacts + 0.5 * (begin + force) * (y - self.y)
-        record, distances = self.record, y[:-1] - self._top
-        record.place[which], record.speed[which] = self.base + d * y[:-1], d * w[:-1]
-        record.contact_force[which] = d * force[:-1]
-        record.work[which], record.damped[which] = work[:-1], damped[:-1]
-        record.on_contacts[which] = on_contacts[:-1]
+        which, record, d = self.record.between(self.t, until), self.record, self.move.direction
+        at = np.append(record.times[which] - self.t, lasts)
+        y, w = motion.travel(at), motion.speed(at)
+        pulled = Pulled(self.spring, self.damping, self._speed, float(self._pull(self.t)))
+        held = Held(1.0, self._top_force + self.y - self._top)
+        spent = self.spent.plus(motion.spent(at, y - self.y, pulled, held))
+        distances = y[:-1] - self._top
+        force = self._top_force + distances
+        record.write(
+            which, self.base + d * y[:-1], d * w[:-1], d * force, spent.at(slice(None, -1))
+        )
         record.store_later(self.move, which, np.full(distances.size, self._top))
         record.stored[which] += self._top_force * distances + 0.5 * distances**2
-        self.work, self.damped = float(work[-1]), float(damped[-1])
-        self.on_contacts = float(on_contacts[-1])
+        self.spent = spent.at(-1)

@@ -5,7 +5,7 @@ from typing import NamedTuple
 import numpy as np
 
 from master.soft.inertia.body import STAYS_SLOW, Body, Mode
-from master.soft.inertia.record import Instant, crossing
+from master.soft.inertia.record import Instant, Spent, crossing
 from master.soft.inertia.slow import Slow, slope_of_speed, slow_motion
 from origins.thresholds.law import Array
 
@@ -166,16 +166,12 @@ class Following(Body):
         spring = self._pull(np.append(record.times[which], end)) - k * y
         before = float(self._pull(self.t)) - k * self.y
         gained = 0.5 * (spring**2 - before**2) / k + 0.5 * m * (w**2 - self.w**2)
-        work = self.work + gained + damped + on_contacts
-        record.place[which], record.speed[which] = self.base + d * y[:-1], d * w[:-1]
-        record.contact_force[which] = d * curve.force(y[:-1])
-        record.damped[which] = self.damped + damped[:-1]
-        record.on_contacts[which] = self.on_contacts + on_contacts[:-1]
-        record.work[which] = work[:-1]
+        spent = self.spent.plus(Spent(gained + damped + on_contacts, damped, on_contacts))
+        force = d * curve.force(y[:-1])
+        record.write(which, self.base + d * y[:-1], d * w[:-1], force, spent.at(slice(None, -1)))
         record.store_later(move, which, y[:-1])
         self.t, self.y, self.w = end, float(y[-1]), float(w[-1])
-        self.work = float(work[-1])
-        self.damped, self.on_contacts = self.damped + damped[-1], self.on_contacts + on_contacts[-1]
+        self.spent = spent.at(-1)
 
     def _taken(self, y: float, rate: float) -> tuple[float, float]:
         """Energy that damping and contacts take on the way to the travel y."""

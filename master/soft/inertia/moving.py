@@ -9,7 +9,7 @@ from scipy.optimize import brentq
 
 from master.outcome import StoppedError, stop_after
 from master.soft.inertia.body import GETS_SLOW, RINGS, Body, Mode
-from master.soft.inertia.record import Instant
+from master.soft.inertia.record import Instant, Spent
 from origins.thresholds.law import Array
 
 # Most steps of the integrator: some 20 s.
@@ -38,13 +38,18 @@ INSTANT, INSTANT_RELATIVE = 1e-15, 1e-14
 
 
 class Integrated(NamedTuple):
-    """The integrator's state: travel and speed, and energies per N_c<k> as in Record."""
+    """The integrator's state: travel and speed, and the parts of Spent."""
 
     y: float
     w: float
     damped: float
     work: float
     on_contacts: float
+
+    @property
+    def spent(self) -> Spent:
+        """The energies."""
+        return Spent(self.work, self.damped, self.on_contacts)
 
 
 class Step(NamedTuple):
@@ -161,7 +166,7 @@ class Moving(Body):
             spring, force = pull + rate * t - k * y, panel.force(y)
             return np.array([w, (spring - g * w - force) / m, g * w * w, v * spring, force * w])
 
-        state = np.array([self.y, self.w, self.damped, self.work, self.on_contacts])
+        state = np.array(Integrated(self.y, self.w, **self.spent._asdict()))
         fine, unit = max(FINE * self.tolerance / self.unit, FINEST), self.unit
         fast = unit / np.sqrt(m / self.stiff)
         sizes = fine * np.array([unit, fast, unit**2, unit**2, unit**2])
@@ -192,14 +197,11 @@ class Moving(Body):
         which = record.between(begun + step.first, end)
         for at in range(which.start, which.stop):
             now = Integrated(*step.inside(record.times[at] - begun).tolist())
-            record.place[at], record.speed[at] = self.base + d * now.y, d * now.w
-            record.contact_force[at] = d * self._force(now.y)
-            record.damped[at], record.work[at] = now.damped, now.work
-            record.on_contacts[at] = now.on_contacts
+            force = d * self._force(now.y)
+            record.write(at, self.base + d * now.y, d * now.w, force, now.spent)
             record.store_later(self.move, slice(at, at + 1), np.array([now.y]))
         last = Integrated(*step.state.tolist())
-        self.t, self.y, self.w = end, last.y, last.w
-        self.damped, self.work, self.on_contacts = last.damped, last.work, last.on_contacts
+        self.t, self.y, self.w, self.spent = end, last.y, last.w, last.spent
 
     def _watch_step(self, step: Step) -> None:
         """Falls of the spring's force within a step."""

@@ -1,12 +1,14 @@
 """The closed motion of a slider whose contacts all hold: a damped oscillator under a drive of one speed."""
 
 from dataclasses import dataclass
+from typing import NamedTuple
 
 import numpy as np
 from scipy.optimize import brentq
 
 from master.outcome import StoppedError
 from master.soft.inertia.body import RINGS
+from master.soft.inertia.record import Spent
 from origins.thresholds.law import Array
 
 # Points a period at which crossings are looked for, and what a peak between them may rise above them, in amplitudes.
@@ -26,6 +28,29 @@ SMALL = 1e-8
 # Most periods that are looked through for one crossing, some 3 s: a level within reach is reached in the next ones, but
 # where rounding decides.
 MOST_PERIODS = 10_000
+
+
+class Pulled(NamedTuple):
+    """What pulls on a slider with damping: its spring, K, the drive's speed, and the spring's force (a length) at t = 0
+    and y = 0."""
+
+    spring: float
+    damping: float
+    drive_speed: float
+    force: float
+
+
+class Held(NamedTuple):
+    """How contacts pull on a slider while none breaks: the share that holds, which is their stiffness, and their force
+    as the motion begins (a length); `growth`: what else that changes by, per time."""
+
+    holding: float
+    force: float
+    growth: float = 0.0
+
+
+# So few contacts that they bear next to nothing, on a way on which all of them break.
+NONE_HOLDS = Held(0.0, 0.0)
 
 
 @dataclass(frozen=True)
@@ -96,7 +121,21 @@ class Oscillation:
             return 0.0
         return float(np.log(self.size / size) / self.fading) if self.fading else np.inf
 
-    def squared_speed(self, t: Array | float) -> Array:
+    def spent(self, t: Array | float, way: Array | float, pulled: Pulled, held: Held) -> Spent:
+        """Energies from 0 to t, on which the slider goes this `way`, so pulled and held; as t."""
+        spring, drive_speed = pulled.spring, pulled.drive_speed
+        # the spring's force is linear in the time but for y, whose integral is that of the balance and of the departure
+        lag = self._departure_integral(t)
+        even = (pulled.force - spring * self.centre) * t
+        even += 0.5 * spring * (drive_speed - self.drift) * t**2
+        on_contacts = held.force * way + 0.5 * held.holding * way**2
+        if held.growth:  # from y = 0
+            moved = self.centre * t + 0.5 * self.drift * t**2 + lag
+            on_contacts += held.growth * (t * way - moved)
+        damped = pulled.damping * self._squared_speed(t)
+        return Spent(drive_speed * (even - spring * lag), damped, on_contacts)
+
+    def _squared_speed(self, t: Array | float) -> Array:
         """Integral of y'^2 from 0 to t."""
         t = np.asarray(t, dtype=float)
         pairs = self.roots[:, None] + self.roots
@@ -107,7 +146,7 @@ class Oscillation:
             self.drift**2 * t + 2.0 * self.drift * (self.departure(t) - self.departure(0.0)) + own
         )
 
-    def departure_integral(self, t: Array | float) -> Array:
+    def _departure_integral(self, t: Array | float) -> Array:
         """Integral of the departure from 0 to t."""
         t = np.asarray(t, dtype=float)
         return (self.parts * _grown(self.roots, t[..., None])).sum(-1).real

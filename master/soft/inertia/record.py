@@ -1,7 +1,7 @@
 """Record of a slider with mass: its motion and energies at asked times, and the falls of its spring's force."""
 
 from collections.abc import Callable
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 from scipy.optimize import brentq
@@ -65,6 +65,30 @@ def crossing(excess: Callable[[float], float], low: float, high: float) -> float
     return float(brentq(excess, low, high))
 
 
+class Spent(NamedTuple):
+    """Energies per N_c<k> (lengths squared), numbers or arrays of one shape: what the drive gave, and what the damping
+    and moving the contacts took."""
+
+    work: Any
+    damped: Any
+    on_contacts: Any
+
+    def plus(self, other: "Spent") -> "Spent":
+        """Both together."""
+        return Spent(*(a + b for a, b in zip(self, other, strict=True)))
+
+    def less(self, other: "Spent") -> "Spent":
+        """These without the other ones."""
+        return Spent(*(a - b for a, b in zip(self, other, strict=True)))
+
+    def at(self, which: int | slice) -> "Spent":
+        """Those at some of the instants."""
+        return Spent(*(one[which] for one in self))
+
+
+NOTHING_SPENT = Spent(0.0, 0.0, 0.0)
+
+
 class OnMove(NamedTuple):
     """Asked times at which the contacts are those of one move, and its travels there (n,); what they store is found at
     the end."""
@@ -78,8 +102,8 @@ class Record:
     """Results at asked times, arrays of shape (n,), in order; NaN where the slider has not come yet.
 
     place, speed, contact_force : X, dX/dt and F/(N_c<k>)
-    work, damped, on_contacts : energy per N_c<k> from t = 0 on, that the drive gave, that the damping took, and that
-        moving the contacts took; stored : that of the contacts, known at the end; holding : share of the contacts
+    work, damped, on_contacts : from t = 0 on, see Spent
+    stored : energy of the contacts, known at the end; holding : share of the contacts
     slips : in order, as origins.drive defines them
     """
 
@@ -111,6 +135,19 @@ class Record:
         """Which of the asked times lie beyond `begin`, or at it if it is 0, and up to `end`."""
         first = np.searchsorted(self.times, begin, "right" if begin > 0.0 else "left")
         return slice(int(first), int(np.searchsorted(self.times, end, "right")))
+
+    def write(
+        self,
+        which: int | slice,
+        place: Array | float,
+        speed: Array | float,
+        contact_force: Array | float,
+        spent: Spent,
+    ) -> None:
+        """The results at some of the asked times; `spent` from t = 0 on."""
+        self.place[which], self.speed[which] = place, speed
+        self.contact_force[which] = contact_force
+        self.work[which], self.damped[which], self.on_contacts[which] = spent
 
     def store_later(self, move: Reaction, which: slice, y: Array) -> None:
         """The contacts at these times are those of a move at travels y."""

@@ -11,7 +11,14 @@ import numpy as np
 from master.outcome import Progress
 from master.soft.inertia.body import QUIET
 from master.soft.inertia.delayed.small_swings import UNRESOLVED
-from master.soft.inertia.energies import PARTS, UNKNOWN, EnergyError, Unseen, Ways, energy_errors
+from master.soft.inertia.energy_errors import (
+    PARTS,
+    UNKNOWN,
+    EnergyError,
+    Unseen,
+    Ways,
+    energy_errors,
+)
 from master.soft.inertia.growing_swings import GrowingSwings
 from master.soft.inertia.heat_left_out import beside_slips
 from master.soft.inertia.reaction import ALIKE

@@ -22,7 +22,7 @@ from master.soft.followed import (
 )
 from master.soft.in_time.idle_heat import Idle, without_weak_heat
 from master.soft.in_time.refining import balance_of
-from master.soft.inertia.energies import EnergyError
+from master.soft.inertia.energy_errors import EnergyError
 from master.soft.inertia.foretold import refuse_endless_swings, refuse_long_ringing
 from master.soft.inertia.growing_swings import growing_swings
 from master.soft.inertia.heat_left_out import beside_slips, heat_decides

@@ -1,7 +1,5 @@
 """The state of a slider with mass and its contacts, which form again after a delay: what motions change and record."""
 
-from typing import NamedTuple
-
 import numpy as np
 
 from master.outcome import NUMBERS, FaultError
@@ -13,7 +11,7 @@ from master.soft.inertia.delayed.panel import FORCE, TimePanel
 from master.soft.inertia.delayed.past_breaks import PastBreaks
 from master.soft.inertia.delayed.survival import Survival
 from master.soft.inertia.reaction import ALIKE
-from master.soft.inertia.record import Instant, Record
+from master.soft.inertia.record import NOTHING_SPENT, Instant, Record, Spent
 from origins import Contacts
 from origins.drive import Drive
 from origins.thresholds.law import Array
@@ -35,19 +33,6 @@ MANY, OF_MERGING = 50, 0.1
 LEAST_REST = 1e-17
 
 
-class Energies(NamedTuple):
-    """Energies per N_c<k> since t = 0 (lengths squared), numbers or arrays of one shape: what the drive gave, what the
-    damping took, and what moving the contacts took."""
-
-    given: float | Array
-    damped: float | Array
-    on_contacts: float | Array
-
-    def and_then(self, later: "Energies") -> "Energies":
-        """The sums of these and later ones."""
-        return Energies(*(mine + added for mine, added in zip(self, later, strict=True)))
-
-
 class DelayedBody:
     """A slider at an instant, its contacts, and the leg of its drive: all that the two kinds of motion have in common.
 
@@ -59,7 +44,7 @@ class DelayedBody:
     state : time, X and dX/dt
     contacts : cohorts that have formed up to now
     past : breaks up to now, which are the births to come
-    energies : up to now
+    spent : energies from t = 0 up to now
     contact_force : F at the end of the last panel (a length)
     """
 
@@ -80,7 +65,7 @@ class DelayedBody:
         self.contacts = Cohorts.at_start(contacts, Survival(contacts.thresholds))
         self.past = PastBreaks(contacts.waiting_time, self.contacts.unbroken())
         self.past.kink(0.0)
-        self.energies, self.contact_force = Energies(0.0, 0.0, 0.0), 0.0
+        self.spent, self.contact_force = NOTHING_SPENT, 0.0
         self._many = MANY
 
     def take_panel(
@@ -89,7 +74,7 @@ class DelayedBody:
         end: SliderState,
         contacts: Cohorts,
         formed: float,
-        spent: Energies,
+        spent: Spent,
         steady: bool = False,
     ) -> None:
         """Be where a panel ends, with these contacts, of which a share `formed` on it, and with what was spent on it.
@@ -130,13 +115,11 @@ class DelayedBody:
                 f"by {force:.6g}, and at the end of the panel by {expected:.6g}, a fault of the program"
             )
 
-    def take_swing(self, state: SliderState, contacts: Cohorts, spent: Energies) -> None:
+    def take_swing(self, state: SliderState, contacts: Cohorts, spent: Spent) -> None:
         """Be where a closed motion ends, with what was spent on it."""
         self._go_to(state, contacts, spent)
 
-    def take_rings(
-        self, state: SliderState, contacts: Cohorts, spent: Energies, reach: float
-    ) -> None:
+    def take_rings(self, state: SliderState, contacts: Cohorts, spent: Spent, reach: float) -> None:
         """The same of many swings in which few contacts formed, who do so together at the end. The next swing stretches
         them by up to `reach`: those that this breaks are broken, and what they take is taken from the speed."""
         self._go_to(state, contacts, spent, form_rest=False)
@@ -147,17 +130,17 @@ class DelayedBody:
         left = max(state.w**2 - 2.0 * taken / self.machine.mass, 0.0)
         self.state = state._replace(w=float(np.copysign(np.sqrt(left), state.w)))
         of_motion = 0.5 * self.machine.mass * (state.w**2 - left)
-        self.energies = self.energies.and_then(Energies(0.0, 0.0, of_motion))
+        self.spent = self.spent.plus(Spent(0.0, 0.0, of_motion))
         here = np.array([state.x])
         self.contacts = self.contacts.and_born(here, np.array([formed]), state.x - reach)
         self.past.formed += formed
 
     def _go_to(
-        self, state: SliderState, contacts: Cohorts, spent: Energies, form_rest: bool = True
+        self, state: SliderState, contacts: Cohorts, spent: Spent, form_rest: bool = True
     ) -> None:
         """Be there, with this spent on the way; the few contacts that are due, and formed on no panel, do so now."""
         self.state, self.contacts = state, contacts
-        self.energies = self.energies.and_then(spent)
+        self.spent = self.spent.plus(spent)
         rest = self.past.born(state.t) - self.past.formed
         if form_rest and abs(rest) > LEAST_REST:
             self._form(rest)
@@ -222,15 +205,12 @@ class DelayedBody:
         """The asked times."""
         return self._record.times[which]
 
-    def write(self, at: int, state: SliderState, contacts: Cohorts, spent: Energies) -> None:
+    def write(self, at: int, state: SliderState, contacts: Cohorts, spent: Spent) -> None:
         """The results at one asked time on a motion; `spent` since the motion began."""
-        record, energies = self._record, self.energies.and_then(spent)
-        record.place[at], record.speed[at] = state.x, state.w
-        record.work[at], record.damped[at], record.on_contacts[at] = energies
-        response = contacts.response(np.array([state.x]))
+        record, response = self._record, contacts.response(np.array([state.x]))
+        record.write(at, state.x, state.w, response.force[0], self.spent.plus(spent))
         # where hardly any holds it may be below 0 by its error
         record.holding[at] = max(float(response.holding[0]), 0.0)
-        record.contact_force[at] = response.force[0]
         record.stored[at] = contacts.stored(state.x)
 
     def instant(self, t: float, x: float, breaks: float) -> Instant:

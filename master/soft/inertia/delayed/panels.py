@@ -5,7 +5,7 @@ from typing import NamedTuple
 import numpy as np
 from scipy.optimize import brentq
 
-from master.soft.inertia.delayed.body import DelayedBody, Energies
+from master.soft.inertia.delayed.body import DelayedBody
 from master.soft.inertia.delayed.cohorts import Cohorts
 from master.soft.inertia.delayed.collocation import SliderState, Solved
 from master.soft.inertia.delayed.fast_sliding import FastSliding
@@ -19,7 +19,7 @@ from master.soft.inertia.delayed.panel import (
 )
 from master.soft.inertia.delayed.panel_search import PanelSearch
 from master.soft.inertia.delayed.pull import Sliding
-from master.soft.inertia.record import Instant, Record, Watched, crossing
+from master.soft.inertia.record import Instant, Record, Spent, Watched, crossing
 from origins import Contacts
 from origins.thresholds.law import Array
 
@@ -203,13 +203,13 @@ class OnPanels:
             return contacts.moved(end).and_born(born, weight, end)
         return contacts.after(panel, part.birth_rate, least_force)
 
-    def _spent(self, panel: TimePanel) -> Energies:
+    def _spent(self, panel: TimePanel) -> Spent:
         """Energies of the motion on a panel."""
         body, x = self._body, panel.nodes(POSITION)
         speed, pull = panel.slope(panel.times, POSITION), panel.nodes(FORCE)
         of_spring = panel.integral(body.machine.spring * (body.drive.at(panel.times) - x))
-        return Energies(
-            given=of_spring * body.drive.speed,
+        return Spent(
+            work=of_spring * body.drive.speed,
             damped=panel.integral(body.machine.damping * speed**2),
             on_contacts=panel.integral(pull * speed),
         )

@@ -12,7 +12,7 @@ import numpy as np
 from master.outcome import StoppedError
 from master.soft.inertia.delayed.body import DelayedBody
 from master.soft.inertia.delayed.fast_sliding import FastSliding
-from master.soft.inertia.record import Record
+from master.soft.inertia.record import Record, Spent
 from origins.drive import RISE
 from origins.thresholds.law import Array
 
@@ -96,11 +96,8 @@ class SmallSwings:
             return None
         at = float(drive.at(body.state.t))
         spring = body.machine.spring * (at - body.state.x)
-        given, damped, on_contacts = (float(each) for each in body.energies)
-        unbroken = body.contacts.unbroken()
-        self._seen.append(
-            Seen(at, spring, body.contact_force, unbroken, given, damped, on_contacts, body.state.w)
-        )
+        forces = spring, body.contact_force, body.contacts.unbroken()
+        self._seen.append(Seen(at, *forces, *body.spent, body.state.w))
         if len(self._seen) < self._next_look:
             return None
         self._next_look = len(self._seen) + max(PANELS, len(self._seen) // 10)
@@ -175,9 +172,6 @@ class SmallSwings:
         at = drive.at(body.asked_times(which))
         low, high = late.min(axis=0), late.max(axis=0)
         spring, _, holding = (0.5 * (low + high))[FORCES].tolist()
-        record.place[which] = at - spring / body.machine.spring
-        record.speed[which] = drive.speed
-        record.contact_force[which] = spring - body.machine.damping * drive.speed
         record.holding[which] = holding
         record.stored[which] = body.contacts.stored(body.state.x)
         # by the drive's way; what the drive gives goes into the damping and the contacts
@@ -185,7 +179,9 @@ class SmallSwings:
         given, damped = spring, lasts[DAMPED] / lasts[DRIVE]
         rates = np.array([given, damped, given - damped])
         energies = late[-1, ENERGIES] + (at - late[-1, DRIVE])[:, None] * rates
-        record.work[which], record.damped[which], record.on_contacts[which] = energies.T
+        friction = spring - body.machine.damping * drive.speed
+        place = at - spring / body.machine.spring
+        record.write(which, place, drive.speed, friction, Spent(*energies.T))
 
 
 def _mean(seen: Array) -> Array:

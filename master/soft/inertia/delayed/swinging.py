@@ -7,10 +7,10 @@ import numpy as np
 
 from master.soft.inertia.body import QUIET
 from master.soft.inertia.closed_falls import watch_closed
-from master.soft.inertia.delayed.body import DelayedBody, Energies
+from master.soft.inertia.delayed.body import DelayedBody
 from master.soft.inertia.delayed.collocation import SliderState
 from master.soft.inertia.delayed.past_breaks import EPSILON
-from master.soft.inertia.oscillation import Oscillation
+from master.soft.inertia.oscillation import NONE_HOLDS, Held, Oscillation, Pulled
 from master.soft.inertia.reaction import ALIKE
 from master.soft.inertia.record import Instant, Record, Watched, crossing
 from origins.thresholds.law import Array
@@ -49,18 +49,6 @@ class Coming(NamedTuple):
 
     lasts: float
     end: SwingEnd
-
-
-class Held(NamedTuple):
-    """How contacts pull on a slider while none breaks: the share that holds, which is their stiffness, and their force
-    as the motion begins (a length)."""
-
-    holding: float
-    force: float
-
-
-# So few that they bear next to nothing, on a way on which all of them break.
-NONE_HOLDS = Held(0.0, 0.0)
 
 
 class Swinging:
@@ -181,32 +169,26 @@ class Swinging:
     def _take(self, motion: Oscillation, lasts: float, held: Held, some_formed: bool) -> None:
         """Go on to the end of a closed motion on which these contacts hold, and some form: results at the asked times,
         energies and falls on the way."""
-        body, state, k = self._body, self._body.state, self._body.machine.spring
-        which, v = body.asked(state.t, state.t + lasts), body.drive.speed
+        body, state, machine = self._body, self._body.state, self._body.machine
+        which = body.asked(state.t, state.t + lasts)
         at = np.append(body.asked_times(which) - state.t, lasts)
         y, w = motion.travel(at), motion.speed(at)
-        # K (X_T - X) is linear in the time but for X, whose integral is that of the balance and of the departure
-        pull, rate = k * (float(body.drive.at(state.t)) - state.x), k * v
-        mean = (pull - k * motion.centre) * at + 0.5 * (rate - k * motion.drift) * at**2
-        given = v * (mean - k * motion.departure_integral(at))
-        damped = body.machine.damping * motion.squared_speed(at)
-        # F is a straight line in X while none breaks
-        on_contacts = held.force * y + 0.5 * held.holding * y**2
-        spent = [Energies(*some) for some in np.stack([given, damped, on_contacts], 1).tolist()]
+        pulled = Pulled(machine.spring, machine.damping, body.drive.speed, body.spring_force)
+        spent = motion.spent(at, y, pulled, held)
         ends = [
             SliderState(state.t + dt, state.x + dx, speed)
             for dt, dx, speed in zip(at.tolist(), y.tolist(), w.tolist(), strict=True)
         ]
         for index in range(which.start, which.stop):
             nth = index - which.start
-            body.write(index, ends[nth], body.contacts, spent[nth])
+            body.write(index, ends[nth], body.contacts, spent.at(nth))
         self._watch(motion, lasts)
         end, contacts = ends[-1], body.contacts.moved(ends[-1].x)
         if some_formed:
             reach = motion.bound(lasts) + abs(float(motion.departure(lasts)))
-            body.take_rings(end, contacts, spent[-1], reach)
+            body.take_rings(end, contacts, spent.at(-1), reach)
         else:
-            body.take_swing(end, contacts, spent[-1])
+            body.take_swing(end, contacts, spent.at(-1))
 
     def _watch(self, motion: Oscillation, lasts: float) -> None:
         """Falls of the spring's force in a closed motion."""

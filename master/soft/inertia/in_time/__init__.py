@@ -13,8 +13,7 @@ mass nothing is unstable: no slip rule is needed, and a step of any small size h
     ringing.py       a stuck slider on contacts that hold, which swings in closed form until it rests
     flights.py       ways without steps on which contacts wait for their delay, and the spring alone moves the slider
     slider.py        one after another, from turn to turn of the slider and of the drive
-    energies.py      energies on a step
-    node.py          the end of a step, and the energies so far
+    node.py          the end of a step
     falls.py         falls of the spring's force, and slips among them, as `master.soft.inertia.record` defines them
     refining.py      steps of 1, 1/2, 1/4 ... until the error is within the tolerance
     answer.py        the limit of steps 0, and its error

@@ -17,6 +17,7 @@ from master.motion import Motion
 from master.soft.in_time.contacts import ContactsInSteps, Trial
 from master.soft.in_time.steps import CONTROL, FIRST_FRACTION, Guess, Steps
 from master.soft.in_time.steps.time_units import TimeUnits
+from master.soft.inertia.record import Spent
 from origins.drive import Drive
 
 # Least part of a step's size that is time where a speed is told; a shorter step is taken for one of that time, so that
@@ -141,6 +142,14 @@ class BalancedSteps(Steps):
         """The spring's force minus those of contacts and damping, along the motion (a length)."""
         _, speed = self._speeds(trial)
         return super().imbalance(trial) - self.sign * self.damping * speed
+
+    def spent(self, trial: Trial) -> Spent:
+        """Energies on a step that is not taken yet, on which speed and forces change evenly."""
+        contacts, lasts, travel = self.contacts, trial.end - self.contacts.now, trial.travel
+        drive, way = float(self._drive_motion.at(np.array(contacts.now))), self._drive_speed * lasts
+        of_spring = self.spring * (drive - contacts.position + 0.5 * (way - travel))
+        on_contacts = 0.5 * (contacts.force + trial.force) * travel
+        return Spent(of_spring * way, self.damping * travel**2 / lasts, on_contacts)
 
     def next_step(self, size: float) -> BalancedStep | None:
         """The balanced step of this size; None where there is none, or none is found."""

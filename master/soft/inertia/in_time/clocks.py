@@ -121,7 +121,7 @@ class Clocks:
             begun = when + off > ring.begin.time and since < ring.lasts
             if begun and off > OF_PERIOD * ring.motion.period:
                 swing = 2.0 * ring.motion.bound(since)
-                most = np.maximum(most, swing * np.array([self.last.spring, ring.stiff]))
+                most = np.maximum(most, swing * np.array([self.last.spring, ring.held.holding]))
         return most
 
     def may_slip(self, drive_error: float) -> bool:

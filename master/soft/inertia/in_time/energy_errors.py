@@ -3,7 +3,7 @@
 import numpy as np
 
 from master.soft.followed import total
-from master.soft.inertia.energies import UNKNOWN, EnergyError, Unseen, Ways, energy_errors
+from master.soft.inertia.energy_errors import UNKNOWN, EnergyError, Unseen, Ways, energy_errors
 from master.soft.inertia.in_time.answer import SAFETY, HeavyAnswer, error_by
 from master.soft.inertia.in_time.clocks import COLUMNS
 from master.soft.inertia.in_time.slider import HeavySlider

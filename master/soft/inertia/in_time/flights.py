@@ -25,7 +25,8 @@ from master.soft.in_time.groups import Groups
 from master.soft.in_time.memory import Memory
 from master.soft.in_time.steps import CONTROL
 from master.soft.in_time.threshold_cells import StraightMove
-from master.soft.inertia.oscillation import Oscillation
+from master.soft.inertia.oscillation import NONE_HOLDS, Oscillation, Pulled
+from master.soft.inertia.record import Spent
 from origins.drive import Drive
 from origins.thresholds.law import Array
 
@@ -101,7 +102,7 @@ class Flight(NamedTuple):
 
     time, position, speed : the time on the path, X and dX/dt
     sizes : of the intervals so far, in which all is smooth
-    given, damped : energies from its begin on, the work of the drive and what damping took
+    spent : energies from its begin on
     holding : the share of the contacts that holds, of those formed on the way
     landed : these contacts at its end, in groups
     bound : on what contacts do that are taken to be out
@@ -111,8 +112,7 @@ class Flight(NamedTuple):
     position: Array
     speed: Array
     sizes: Array
-    given: Array
-    damped: Array
+    spent: Spent
     holding: Array
     landed: Groups
     bound: Bound
@@ -239,16 +239,15 @@ class Flights:
         if np.abs(np.diff(travel)).sum() < WORTH * of_step:
             self._not_before = contacts.steps + NEXT_LOOK
             return None
-        moved = motion.centre * t + 0.5 * motion.drift * t**2 + motion.departure_integral(t)
-        work = drive_speed * (pull * t + 0.5 * rate * t**2 - self._spring * moved)
-        damped = self._damping * motion.squared_speed(t)
+        pulled = Pulled(self._spring, self._damping, drive_speed, pull)
+        spent = motion.spent(t, travel, pulled, NONE_HOLDS)
         time = np.minimum(now + t, end)
         if t[-1] == lasts == end - now:
             time[-1] = end  # to the last digit
         place, pace = contacts.position + travel, motion.speed(t)
         landed, held = way.formed.in_groups(contacts.memory, self._survival), way.held
         held[-1] = landed.survival_and_force(contacts.memory)[0] @ landed.weight
-        return Flight(time, place, pace, way.sizes, work, damped, held, landed, way.bound)
+        return Flight(time, place, pace, way.sizes, spent, held, landed, way.bound)
 
     def _way(self, motion: Oscillation, lasts: float, kept: Bound) -> FlightNodes:
         """The nodes of this motion, for this time at most, or until too many contacts may hold; `kept`: of those that

@@ -2,21 +2,7 @@
 
 from typing import NamedTuple
 
-
-class Spent(NamedTuple):
-    """Energies, per N_c<k> (length squared): the work of the drive, and what damping and moving the contacts took."""
-
-    work: float
-    damped: float
-    on_contacts: float
-
-    def plus(self, other: "Spent") -> "Spent":
-        """Both together."""
-        return Spent(*(a + b for a, b in zip(self, other, strict=True)))
-
-    def less(self, other: "Spent") -> "Spent":
-        """These without the other ones."""
-        return Spent(*(a - b for a, b in zip(self, other, strict=True)))
+from master.soft.inertia.record import Spent
 
 
 class HeavyNode(NamedTuple):

@@ -17,7 +17,7 @@ from master.soft.in_time.refining import (
     memory_of,
 )
 from master.soft.in_time.steps import CONTROL
-from master.soft.inertia.energies import EnergyError
+from master.soft.inertia.energy_errors import EnergyError
 from master.soft.inertia.foretold import enough_damping
 from master.soft.inertia.in_time.answer import COMPARED, HeavyAnswer, answer, spacing_error
 from master.soft.inertia.in_time.energy_errors import energies_told

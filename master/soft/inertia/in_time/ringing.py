@@ -18,7 +18,7 @@ from master.motion import Motion
 from master.soft.in_time.contacts import ContactsInSteps
 from master.soft.inertia.body import QUIET
 from master.soft.inertia.in_time.node import HeavyNode
-from master.soft.inertia.oscillation import Oscillation
+from master.soft.inertia.oscillation import Held, Oscillation, Pulled
 from origins.drive import RISE, Drive
 from origins.thresholds.law import Array
 
@@ -34,37 +34,30 @@ class Ring(NamedTuple):
     """Swings of the slider from a turn on; see the head of the file.
 
     begin : the slider at the turn; motion : y(t) since then; lasts : time until it is at rest, or the drive's leg ends
-    stiff, spring, damping : κ, K and γ; pull : K (X_T - X_0) - F_0; drive_speed : of the drive
+    pulled, held : by the spring, and by contacts of the stiffness κ
     broken : force of contacts that would break, and form again (a length)
     """
 
     begin: HeavyNode
     motion: Oscillation
     lasts: float
-    stiff: float
-    spring: float
-    damping: float
-    pull: float
-    drive_speed: float
+    pulled: Pulled
+    held: Held
     broken: float
 
     def columns(self, times: Array) -> Array:
         """The columns of a node behind its time, at these times of the path, shape (columns, n)."""
         of, t = self.motion, times - self.begin.time
         y, begin = of.travel(t), self.begin
-        moved = of.centre * t + 0.5 * of.drift * t**2 + of.departure_integral(t)
-        pulled = (self.pull + begin.force) * t + 0.5 * self.spring * self.drive_speed * t**2
-        on_contacts = begin.force * y + 0.5 * self.stiff * y**2
+        spent = of.spent(t, y, self.pulled, self.held)
         return np.stack(
             [
-                begin.force + self.stiff * y,
+                begin.force + self.held.holding * y,
                 np.full(t.size, begin.holding),
                 begin.position + y,
                 of.speed(t),
-                begin.work + self.drive_speed * (pulled - self.spring * moved),
-                begin.damped + self.damping * of.squared_speed(t),
-                begin.on_contacts + on_contacts,
-                begin.stored + on_contacts,
+                *begin.spent.plus(spent),
+                begin.stored + spent.on_contacts,
             ]
         )
 
@@ -86,7 +79,8 @@ class Ringing:
         them, or where they are not worth it."""
         speed, stiff, spring = float(self._motion.speeds[leg]), contacts.holding, self._spring
         drive = float(self._motion.at(np.array(begin.time)))
-        pull, all_stiff = spring * (drive - begin.position) - begin.force, spring + stiff
+        pulled = Pulled(spring, self._damping, speed, spring * (drive - begin.position))
+        pull, all_stiff = pulled.force - begin.force, spring + stiff
         of_motion = self._mass, self._damping, all_stiff, pull, spring * speed, 0.0, begin.speed
         motion = Oscillation.of(*of_motion)
         if not motion.swings or 2.0 * spring * motion.size > self._small:
@@ -97,8 +91,7 @@ class Ringing:
         broken = self._broken(contacts, motion, lasts)
         if broken > ALLOWED * self._tolerance:
             return None
-        given = self._spring, self._damping, pull, speed, broken
-        return Ring(begin, motion, lasts, stiff, *given)
+        return Ring(begin, motion, lasts, pulled, Held(stiff, begin.force), broken)
 
     def _broken(self, contacts: ContactsInSteps, motion: Oscillation, lasts: float) -> float:
         """The force that contacts may bear which break in the swings (a length). The upper end of a swing is a convex

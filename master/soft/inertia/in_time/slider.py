@@ -11,13 +11,13 @@ from master.soft.in_time import unresolved
 from master.soft.in_time.contacts import ContactsInSteps, Trial
 from master.soft.inertia.body import QUIET
 from master.soft.inertia.in_time.balanced_steps import BalancedStep, BalancedSteps, Drifts
-from master.soft.inertia.in_time.energies import Energies
 from master.soft.inertia.in_time.falls import Falls
 from master.soft.inertia.in_time.flights import SWINGS_BY, Bound, Flights
-from master.soft.inertia.in_time.node import HeavyNode, Spent
+from master.soft.inertia.in_time.node import HeavyNode
 from master.soft.inertia.in_time.ringing import Ring, Ringing
 from master.soft.inertia.in_time.steady_sliding import Slid, SteadySliding
 from master.soft.inertia.in_time.swing_steps import SwingSteps, Swung
+from master.soft.inertia.record import NOTHING_SPENT, Spent
 from origins.drive import Drive
 from origins.thresholds.law import Array
 
@@ -57,7 +57,7 @@ class HeavySlider:
         self.spring, self.quiet = float(drive.spring or 0.0), QUIET * tolerance
         self.damping, self._size = drive.damping, 0.5**contacts.halvings
         self._in_balance, self._not_before = False, 0
-        self._spent = Spent(0.0, 0.0, 0.0)
+        self._spent = NOTHING_SPENT
         self._sliding, self._ringing, self._broken_before = sliding, ringing, 0.0
         self._way = list[HeavyNode]()  # since the slider turned last, or slid
         self.slides, self.flown, self.rings = list[Slid](), list[Bound](), list[Ring]()
@@ -74,8 +74,6 @@ class HeavySlider:
         self._balanced = BalancedSteps(
             contacts, drive, motion, self._drifts, self._flights.are_known
         )
-        self._energies = Energies(contacts, self.spring, self.damping)
-        self._drive_speed = 0.0
 
     @property
     def may_pass_slips(self) -> bool:
@@ -102,7 +100,7 @@ class HeavySlider:
         for leg, last in enumerate(motion.times[1:].tolist()):
             contacts.past_breaks.repeat_bend(float(motion.times[leg]))
             # the drive's speed has changed, and the slider's own has not
-            self._in_balance, self._drive_speed = False, float(motion.speeds[leg])
+            self._in_balance = False
             self._drifts.begin()
             swing, goes_on = np.inf, False
             while contacts.now < last:
@@ -131,13 +129,13 @@ class HeavySlider:
         size = np.inf
         while contacts.now < end:
             swung = swings.next_resolved(self._size)
-            energies = self._energies.on_swing(swung, swings.pull, self._drive_speed)
+            spent = swings.spent(swung)
             off, speed = swings.swing_of(swung)
             stiff = self.spring + contacts.holding
             size = off + speed * (swings.mass / stiff) ** 0.5
             at_rest = self._force_at_rest(swung, stiff * off, speed)
             self._drifts.add(0.5 * (contacts.now + swung.trial.end), swung.motion.drift)
-            self._take(leg, swung.trial, swings.size(swung.trial), swung.speed, energies)
+            self._take(leg, swung.trial, swings.size(swung.trial), swung.speed, spent)
             if self._slide_if_steady(leg) or self._fly_if_all_are_out(leg, end):
                 break
             if at_rest < COMES_TO_REST * self.quiet and contacts.steps >= self._not_before:
@@ -170,9 +168,9 @@ class HeavySlider:
                     self._not_before = contacts.steps + STEPS_TO_REST
                 return
             contacts.unresolved.note(unresolved.OF_QUIET, step.left_out, contacts.now)
-            energies = self._energies.in_balance(step.trial, self._swings.pull, self._drive_speed)
+            spent = balanced.spent(step.trial)
             self._drifts.add(0.5 * (contacts.now + step.trial.end), step.drift)
-            self._take(leg, step.trial, balanced.size(step.trial), step.speed, energies)
+            self._take(leg, step.trial, balanced.size(step.trial), step.speed, spent)
             if self._slide_if_steady(leg) or balanced.ends_section:
                 return
 
@@ -188,13 +186,13 @@ class HeavySlider:
         """Whether inertia that this step in balance leaves out matters, or it leads back in time."""
         return step.left_out > LEAVES_REST * self.quiet or self._balanced.size(step.trial) <= 0.0
 
-    def _take(self, leg: int, trial: Trial, size: float, speed: float, energies: Spent) -> None:
-        """Take a step, at whose end the slider has this speed and on which these energies were given and taken."""
+    def _take(self, leg: int, trial: Trial, size: float, speed: float, spent: Spent) -> None:
+        """Take a step, at whose end the slider has this speed and on which these energies were `spent`."""
         contacts, nodes = self.contacts, self.sections[-1]
         taken, breaks = max(size, 0.0), contacts.past_breaks.total
         contacts.past_breaks.check_none_is_passed(trial.end)
         contacts.take(trial, taken)
-        self._spent = self._spent.plus(energies)
+        self._spent = self._spent.plus(spent)
         self._swings.speed = speed
         if not np.isfinite(contacts.position):
             raise StoppedError(f"the motion is lost at t = {contacts.now:.6g}")
@@ -280,7 +278,7 @@ class HeavySlider:
             broken = before + contacts.past_breaks.total
             place, now, held = flight.position[k], flight.time[k], flight.holding[k]
             contacts.fly_to(float(place), float(now), size, float(held))
-            self._spent = spent.plus(Spent(flight.given[k], flight.damped[k], 0.0))
+            self._spent = spent.plus(flight.spent.at(k))
             nodes.append(self._node(float(flight.sizes[k]), float(flight.speed[k])))
             after = before + contacts.past_breaks.total
             self.falls.watch(leg, nodes[-2], nodes[-1], (broken, after))

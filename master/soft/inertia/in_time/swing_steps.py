@@ -19,7 +19,8 @@ from master.outcome import FaultError, StoppedError
 from master.soft.in_time.contacts import ContactsInSteps, Trial
 from master.soft.in_time.steps import CONTROL, Guess, Root, Steps
 from master.soft.in_time.steps.time_units import TimeUnits
-from master.soft.inertia.oscillation import Oscillation
+from master.soft.inertia.oscillation import Held, Oscillation, Pulled
+from master.soft.inertia.record import Spent
 from origins.drive import Drive
 from origins.thresholds.numerical import clipped
 
@@ -133,11 +134,21 @@ class SwingSteps(Steps):
     def motion_of(self, trial: Trial) -> Oscillation:
         """The slider's closed motion on this step, which takes time."""
         contacts, lasts = self.contacts, trial.end - self.contacts.now
-        stiff = contacts.holding
-        left = trial.force - contacts.force - stiff * trial.travel
-        rate = self.spring * self._drive_speed - left / lasts
-        given = self.mass, self.damping, self.spring + stiff, self.pull, rate
+        rate = self.spring * self._drive_speed - self._left(trial) / lasts
+        given = self.mass, self.damping, self.spring + contacts.holding, self.pull, rate
         return Oscillation.of(*given, 0.0, self.speed)
+
+    def spent(self, swung: Swung) -> Spent:
+        """Energies on a step that is not taken yet."""
+        contacts, trial = self.contacts, swung.trial
+        lasts, force = trial.end - contacts.now, self.pull + contacts.force
+        pulled = Pulled(self.spring, self.damping, self._drive_speed, force)
+        held = Held(contacts.holding, contacts.force, self._left(trial) / lasts)
+        return swung.motion.spent(lasts, trial.travel, pulled, held)
+
+    def _left(self, trial: Trial) -> float:
+        """What of the contacts' force on a step is left beside their stiffness (a length)."""
+        return trial.force - self.contacts.force - self.contacts.holding * trial.travel
 
     def imbalance(self, trial: Trial) -> float:
         """How much farther the slider moves in the time of this step than its contacts were moved (a length)."""
