@@ -16,9 +16,10 @@ understood, and E(b), where heat leaves any, is the share that reaches its thres
 """
 
 from collections.abc import Callable
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
+import numpy.typing as npt
 
 from origins import Contacts
 from origins.laws.proportional import ProportionalGrowth
@@ -31,6 +32,8 @@ LOG_LEAST, LOG_MOST, STEPS = -16.0, 3.8, 800
 _COARSE, _FEWEST = 3000, 30
 # Relative step of a threshold by which the slope of a rate in it is found, and of an age for that of the growth.
 _STEP = 1e-5
+# pa below which averages are taken by their series.
+_SMALL = 1e-4
 # Turns until the stretch at which a contact meets its threshold is known to rounding: each leaves a part x_s0 g'/v.
 _TURNS = 100
 
@@ -60,7 +63,7 @@ def growing_response(
     a, passed = _steps_of(end, lambda stretch: log_rate(stretch, threshold(stretch)))
     if not a.size:
         return np.full(wave.size, np.nan + 0j)
-    survivals, travel, middle = np.exp(-passed), np.diff(a, axis=0), 0.5 * (a[1:] + a[:-1])
+    survivals, middle = np.exp(-passed), 0.5 * (a[1:] + a[:-1])
     fall = -np.diff(survivals, axis=0)
     at_end = survivals[-1]
     # dh = h_x da + h_s dx_s, so that h_x da is known as exactly as h
@@ -68,41 +71,25 @@ def growing_response(
     rate, above = np.exp(log_rate(a, at)), np.exp(log_rate(a, at * (1.0 + _STEP)))
     by_threshold = np.where(np.isfinite(above), above - rate, 0.0) / (at * _STEP)
     rises = np.diff(rate, axis=0) - 0.5 * (by_threshold[1:] + by_threshold[:-1]) * rise
-    both = np.stack([survivals, a * survivals])
-    on_step, along = 0.5 * (both[:, 1:] + both[:, :-1]), np.diff(both, axis=1) / 12.0
     fell_at_end = fractions * at_end
     length, of_stiffness = (
         (part * ((fall * middle).sum(axis=0) + at_end * a[-1])).sum() for part in fractions
     )
-    broken = np.zeros((2, wave.size), dtype=complex)
-    stretched, answered, pulled = (np.zeros(wave.size, dtype=complex) for _ in range(3))
-    change = np.zeros((x.size, wave.size), dtype=complex)  # D
-    until = np.ones_like(change)  # e^(-pa) at the begin of the step
-    for step in range(STEPS):
-        p_a = travel[step][:, None] * wave
-        turned, mean, rest, first = _averages(p_a)
-        fell = until * mean * fall[step][:, None]
-        broken += fractions @ fell
-        stretched += (fractions[1] * middle[step]) @ fell
+
+    def gained(step: int, of: Averages, until: Array) -> tuple[Array, Array]:
         gains = rises[step][:, None]
-        mean_change = change * mean + gains * (rest - until * first)
-        after = change * turned + gains * (mean - until * turned)
-        weights = fractions * travel[step]
-        answered += (weights[0] * on_step[0, step]) @ mean_change
-        answered += (weights[0] * along[0, step]) @ (after - change)
-        pulled += (weights[1] * on_step[1, step]) @ mean_change
-        pulled += (weights[1] * along[1, step]) @ (after - change)
-        change = after
-        until *= turned
-    broken += fell_at_end @ until
-    stretched += (fell_at_end[1] * a[-1]) @ until
+        return gains * (of.rest - until * of.first), gains * (of.mean - until * of.turned)
+
+    sums, until = summed_along(a, survivals, fall, fractions, wave, gained)
+    broken = sums.broken + fell_at_end @ until
+    stretched = sums.stretched + (fell_at_end[1] * a[-1]) @ until
     ages = a[-1] / velocity
     slope = x * (growth.factor(ages * (1.0 + _STEP)) - growth.factor(ages)) / (ages * _STEP)
     later = -(1.0 - until) / (1.0 - slope / velocity)[:, None]
     survival, by_stiffness = (fractions.sum(axis=1)[:, None] - broken) / wave
     first_moment = (by_stiffness - stretched) / wave
-    births = (answered - fell_at_end[0] @ later) / survival
-    force = births * first_moment - pulled + of_stiffness - by_stiffness
+    births = (sums.answered - fell_at_end[0] @ later) / survival
+    force = births * first_moment - sums.pulled + of_stiffness - by_stiffness
     return np.asarray((force + (fell_at_end[1] * a[-1]) @ later) / length)
 
 
@@ -138,9 +125,61 @@ class Averages(NamedTuple):
     first: Array
 
 
-def _averages(p_a: Array) -> Averages:
-    """The averages at p a of steps; by their series where that is small."""
-    turned, far = np.exp(-p_a), np.abs(p_a) > 1e-4
+class Summed(NamedTuple):
+    """Sums along all steps, over thresholds; complex, shape (n,), of contacts and of their stiffness (2, n).
+
+    broken, stretched : of e^(-pa) where contacts break, and of their stiffness times the stretch there
+    answered, pulled : integrals of E D of contacts, and of a E D of their stiffness
+    """
+
+    broken: Array
+    stretched: Array
+    answered: Array
+    pulled: Array
+
+
+def summed_along(
+    a: Array,
+    survivals: Array,
+    fall: Array,
+    fractions: Array,
+    wave: npt.NDArray[Any],
+    gained: Callable[[int, Averages, Array], tuple[Array, Array]],
+) -> tuple[Summed, Array]:
+    """The sums along steps, and e^(-pa) at the last end, shape (m, n).
+
+    a, survivals : stretches at the ends of steps, and E there, shape (n_steps + 1, m); fall : of E on each step
+    fractions : of contacts at each threshold, and of their stiffness, shape (2, m); wave : p (1/length, shape (n,))
+    gained : what D gains on a step, in the mean and at its end, by its averages and e^(-pa) at its begin
+    """
+    travel, middle = np.diff(a, axis=0), 0.5 * (a[1:] + a[:-1])
+    # E and a E: their means on each step, and a twelfth of their changes, as those of D go along with them
+    both = np.stack([survivals, a * survivals])
+    on_step, along = 0.5 * (both[:, 1:] + both[:, :-1]), np.diff(both, axis=1) / 12.0
+    broken = np.zeros((2, wave.size), dtype=complex)
+    stretched, answered, pulled = (np.zeros(wave.size, dtype=complex) for _ in range(3))
+    change = np.zeros((a.shape[1], wave.size), dtype=complex)  # D
+    until = np.ones_like(change)  # e^(-pa) at the begin of the step
+    for step in range(len(travel)):
+        of = _averages(travel[step][:, None] * wave)
+        fell = until * of.mean * fall[step][:, None]
+        broken += fractions @ fell
+        stretched += (fractions[1] * middle[step]) @ fell
+        in_mean, at_end = gained(step, of, until)
+        mean_change, after = change * of.mean + in_mean, change * of.turned + at_end
+        weights = fractions * travel[step]
+        answered += (weights[0] * on_step[0, step]) @ mean_change
+        answered += (weights[0] * along[0, step]) @ (after - change)
+        pulled += (weights[1] * on_step[1, step]) @ mean_change
+        pulled += (weights[1] * along[1, step]) @ (after - change)
+        change = after
+        until *= of.turned
+    return Summed(broken, stretched, answered, pulled), until
+
+
+def _averages(p_a: npt.NDArray[Any]) -> Averages:
+    """The averages at p a of steps; by their series, to 1e-8, where that is small."""
+    turned, far = np.exp(-p_a), np.abs(p_a) > _SMALL
     mean, rest, first = 1.0 - 0.5 * p_a, 0.5 - p_a / 6.0, 0.5 - p_a / 3.0
     mean[far] = (1.0 - turned[far]) / p_a[far]
     rest[far] = (1.0 - mean[far]) / p_a[far]

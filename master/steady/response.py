@@ -17,7 +17,7 @@ slider forgets), none does if K + G(iq) does not pass the negative real axis as 
 import numpy as np
 
 from master.outcome import stop_after
-from master.steady.growing_response import growing_response
+from master.steady.growing_response import Averages, growing_response, summed_along
 from origins import Contacts
 from origins.laws.proportional import ProportionalGrowth
 from origins.thresholds.law import Array
@@ -29,8 +29,6 @@ _RANKS = np.array([0.0, 1e-6, 1e-4, 1e-2, 0.1, 0.3, 0.5, 0.7, 0.9, 0.99, 1.0 - 1
 _LOG_LEAST, _LOG_MOST, _STEPS = -16.0, 3.8, 266
 # Wave numbers q per inverse mean threshold: slower disturbances see F_k(v), faster ones contacts that only stretch.
 _WAVES = np.geomspace(1e-3, 300.0, 64)
-# pa below which (1 - e^(-pa))/pa, and what is left of 1, over pa, are taken by their series, to 1e-8.
-_SMALL = 1e-4
 # Least angle of K + G to the negative real axis, as a sine; sums above are off by some 1e-3 (measured).
 _CLEAR = 0.02
 
@@ -67,40 +65,18 @@ def response(contacts: Contacts, velocity: float, waves: Array) -> Array:
     survivals = np.exp(-passed)
     fall = -np.diff(survivals, axis=0)
     fall[-1] += survivals[-1]  # those that are left break at their thresholds
-    travel, breaks = np.diff(a, axis=0), np.diff(passed, axis=0)
-    middle = 0.5 * (a[1:] + a[:-1])
-    # E and a E: their means on each step, and a twelfth of their changes, as those of w go along with them
-    both = np.stack([survivals, a * survivals])
-    on_step, along = 0.5 * (both[:, 1:] + both[:, :-1]), np.diff(both, axis=1) / 12.0
-    # sums over thresholds: of contacts, and of their stiffness
-    length = fractions[0] @ (on_step[0] * travel).sum(axis=0)
-    broken = np.zeros((2, wave.size), dtype=complex)
-    stretched, answered, pulled = (np.zeros(wave.size, dtype=complex) for _ in range(3))
-    w = np.zeros((x.size, wave.size), dtype=complex)
-    until = np.ones_like(w)  # e^(-pa) at the begin of the step
-    for step in range(_STEPS):
-        p_a = travel[step][:, None] * wave
-        turned = np.exp(-p_a)
-        mean, rest = 1.0 - 0.5 * p_a, 0.5 - p_a / 6.0
-        far = np.abs(p_a) > _SMALL
-        mean[far] = (1.0 - turned[far]) / p_a[far]
-        rest[far] = (1.0 - mean[far]) / p_a[far]
-        fell = until * mean * fall[step][:, None]
-        broken += fractions @ fell
-        stretched += (fractions[1] * middle[step]) @ fell
-        # w along the step, on which h is constant: its mean, and its end
-        mean_w = w * mean + breaks[step][:, None] * rest
-        after = w * turned + breaks[step][:, None] * mean
-        weights = fractions * travel[step]
-        answered += (weights[0] * on_step[0, step]) @ mean_w
-        answered += (weights[0] * along[0, step]) @ (after - w)
-        pulled += (weights[1] * on_step[1, step]) @ mean_w
-        pulled += (weights[1] * along[1, step]) @ (after - w)
-        w = after
-        until *= turned
-    survival, by_stiffness = (fractions.sum(axis=1)[:, None] - broken) / wave
-    first = (by_stiffness - stretched) / wave
-    return np.asarray(wave / length * (pulled - answered * first / survival))
+    breaks = np.diff(passed, axis=0)
+
+    def gained(step: int, of: Averages, until: Array) -> tuple[Array, Array]:
+        """What w gains along the step, on which h is constant."""
+        return breaks[step][:, None] * of.rest, breaks[step][:, None] * of.mean
+
+    sums, _ = summed_along(a, survivals, fall, fractions, wave, gained)
+    on_step = 0.5 * (survivals[1:] + survivals[:-1])
+    length = fractions[0] @ (on_step * np.diff(a, axis=0)).sum(axis=0)
+    survival, by_stiffness = (fractions.sum(axis=1)[:, None] - sums.broken) / wave
+    first = (by_stiffness - sums.stretched) / wave
+    return np.asarray(wave / length * (sums.pulled - sums.answered * first / survival))
 
 
 def is_stable(contacts: Contacts, velocity: float, spring: float, until: float = np.inf) -> bool:
