@@ -155,16 +155,7 @@ class CoupledResult(EnsembleResult):
 class HeavySlips(CoupledSlips):
     """Slips of a slider with mass; arrays of shape (m,).
 
-    A slip, of both solvers (origins/drive.py), is a swing down of the spring's force that ends a stick, from a
-    maximum to the next minimum; rises and falls within a level do not count. That level is 0.02 mean thresholds, or
-    where contacts are few what chance does in smooth sliding: six standard deviations of their force, some 2 N^(-1/2)
-    mean thresholds where all N hold (6 of exponential thresholds), at most one. The slider *sticks* where the
-    spring's force rises by 0.02 mean thresholds, to its highest since the last swing down, while the slider stays
-    within two mean thresholds, or while none breaks or forms, 0.02 N contacts at least hold it, and less than a share
-    `slip_fraction` of these breaks (of those to which it stuck before, where none breaks or forms on the rise). From
-    where it last stuck to the swing's end at least that share of them breaks, and of those that hold in steady
-    sliding at the drive's speed, and the slider is 1.5 times as fast as the drive as the force falls by more than
-    chance does.
+    What counts as one is said in origins/drive.py, for both solvers, and in docs/sliders-with-mass.md.
 
     So contacts count that break while a heavy slider still gathers speed, and swings that follow before the slider
     sticks again, as when it swings back, belong to the same slip. A slider that sticks may ring, and no contact breaks.

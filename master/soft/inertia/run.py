@@ -51,10 +51,7 @@ class SlipsInTime(Slips):
         add up from slip to slip
     spacing_error : the same of the distance of X_T from one slip to the next, a length; inf where it is not known
 
-    The slider sticks where the force rises by 0.02 mean thresholds while it stays within two of them, a fifth of the
-    contacts at least hold it and fewer break. From where it last stuck to the end of the fall there are 0.2 breaks per
-    contact or more, while the force falls by 0.02 mean thresholds and the slider gets 1.5 times as fast as the
-    drive.
+    What counts as one is said in origins/drive.py, for both solvers.
     """
 
     time: Array
