@@ -34,6 +34,15 @@ LOWER = 1e-3
 SLIP_FRACTION = 0.2
 
 
+def main_drops(drops: Array) -> npt.NDArray[np.bool_]:
+    """Which of a slider's slips are main ones, by their drops of the force in order, shape (n,): those that drop by
+    SLIP_FRACTION of the largest of the later half, as many small ones may precede it as follow it, or more. Between
+    slips of all contacts a few may slip alone, such as those of a narrow peak of P_c."""
+    sizes = np.abs(drops)
+    late = sizes[sizes.size // 2 if sizes.size > 2 else 0 :]
+    return np.asarray(sizes >= SLIP_FRACTION * late.max(initial=0.0))
+
+
 class Drive:
     """A path, the speed along it, and the spring that pulls a slider, with a mass or without; straight between points.
 

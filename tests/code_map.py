@@ -245,7 +245,7 @@ QUESTIONS = {
         "toolkit:in_the_end",
     ),
     "the error of a slip's place, drive_error: at T = 0; in time; with mass; with mass in time": (
-        "master/soft/cold.py:ColdSlider._note",
+        "master/soft/cold.py:ColdSlider._list",
         "master/soft/in_time/answer/extrapolation.py:extrapolated",
         "master/soft/inertia/solution.py:solve_inertial",
         "master/soft/inertia/in_time/refining.py:_found",

@@ -5,13 +5,14 @@ from typing import get_type_hints
 
 import numpy as np
 
+from master.soft.inertia.run import SlipsInTime
 from origins import Contacts, gaussian
 from tests.verdicts import SOFT, infinite, rigid, told
 from toolkit.verdict.legend import UNITS
 from toolkit.verdict.of_area import with_more
 from toolkit.verdict.sliders.forgetting import after_forgetting
 from toolkit.verdict.sliders.records import AS_ASKED, Behaviour, Finite
-from toolkit.verdict.sliders.slips_in_time import SlipsOfMass
+from toolkit.verdict.sliders.slips_in_time import SlipsOfMass, slips_in_time
 from toolkit.verdict.slips_in_words import swinging
 from toolkit.verdict.uncertainty import once_over
 
@@ -74,3 +75,12 @@ def test_each_number_of_a_record_has_its_unit() -> None:
         names = {one.name for one in fields(record)}
         assert names - words - parts <= UNITS.keys(), names - words - parts - UNITS.keys()
         assert not any(get_type_hints(record)[one] is float for one in names & (words | parts))
+
+
+def test_a_slip_of_a_solution_takes_the_time_of_its_last_main_one() -> None:
+    """Its forces are those of that slip, too; a small one followed it, and was told with its own time and speed."""
+    two = {"before": np.zeros(2), "after": np.zeros(2), "drive_error": 0.0, "time": np.zeros(2)}
+    forces = {"force_before": np.array([0.6, 0.5]), "force_after": np.array([-0.4, 0.45])}
+    motion = {"duration": np.array([3.0, 0.1]), "top_speed": np.array([8.0, 0.2])}
+    found = slips_in_time(SlipsInTime(np.array([50.0, 60.0]), **two, **forces, **motion))
+    assert found == SlipsOfMass(3.0, 8.0, 50.0, (0.6, -0.4), 0.0)

@@ -140,13 +140,13 @@ def _parse(words: list[str]) -> "argparse.Namespace":
 
 def _of_words_left(words: list[str], left: list[str], command: str) -> str:
     """What to write instead of words that belong to nothing, such as a unit that the shell took for another word."""
-    from toolkit.scene.drive import UNITS
+    from toolkit.scene.drive import MACHINE_UNITS
 
     for place, word in enumerate(words[:-2]):
         begin, following = words[place + 1], words[place + 2]
         two = " ".join(words[place + 2 : place + 4])
-        unit = two if two in UNITS else following
-        if word == "--set" and "=" in begin and unit in UNITS:
+        unit = two if two in MACHINE_UNITS else following
+        if word == "--set" and "=" in begin and unit in MACHINE_UNITS:
             key, _, value = begin.partition("=")
             text = f"--set {key}='\"{value} {unit}\"'"
             return f"{unit}: is apart from {begin}; a value with a blank is text, write {text}"

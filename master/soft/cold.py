@@ -166,7 +166,7 @@ class ColdSlider:
             drives, after = drives[count:], y
             if self.slip == "instant":
                 curve, y = move.end_of_slip(slip.travel, slip.load, slip, self._forward)
-                self._note(move, slip, begin, float(curve.force(y)), np.nan)
+                self._list(move, slip, begin, float(curve.force(y)), np.nan)
                 renews = self._all_together
                 if renews:
                     # all were born at the slip's begin, and none reaches its threshold on the way of the slip
@@ -213,7 +213,7 @@ class ColdSlider:
         depend on slips before."""
         self._cycle = LimitCycle()
         force = move.direction * self._force_after_reset
-        self._note(move, slip, begin, force, self._fraction_broken(move, slip))
+        self._list(move, slip, begin, force, self._fraction_broken(move, slip))
         self._base = move.direction * (begin + (slip.load - force) / self.spring)
         self._base_error += slip.error / self.spring
         return LoadingHistory(self.contacts.reforming)
@@ -254,7 +254,7 @@ class ColdSlider:
         self._of_late[key] = slipped
         if len(self._of_late) > MOST_OF_LATE:
             self._of_late.pop(next(iter(self._of_late)))
-        self._note(move, slip, begin, slipped.force, slipped.fraction_broken)
+        self._list(move, slip, begin, slipped.force, slipped.fraction_broken)
         self._base += slipped.shift
         self._base_error += slipped.position_error
         return slipped.loaded
@@ -284,7 +284,7 @@ class ColdSlider:
         error = (misjudged * far + float(curve.error_at(y))) * holding  # those that broke have none
         return Slipped(force, 1.0 - holding, end_shift, slide.after_slip(y, error))
 
-    def _note(self, move: Move, slip: SlipBegin, begin: float, force: float, broken: float) -> None:
+    def _list(self, move: Move, slip: SlipBegin, begin: float, force: float, broken: float) -> None:
         """List a slip of a move that begins at X = `begin`, with F after it, above 0 along the motion, and the share
         `broken` of the contacts that broke in it."""
         drive, force_before = begin + slip.load / self.spring, float(slip.curve.force(slip.travel))

@@ -6,7 +6,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from origins.brief import brief
-from origins.drive import SLIP_FRACTION
+from origins.drive import main_drops
 from origins.thresholds.law import Array
 
 
@@ -36,12 +36,8 @@ class Slips:
 
     @property
     def main(self) -> NDArray[np.int64]:
-        """Indices, in order, of the slips that drop by SLIP_FRACTION of the largest drop of late, or more.
-
-        Between slips of all contacts a few may slip alone, such as those of a narrow peak of P_c.
-        """
-        drops = np.abs(self.drop)
-        return np.flatnonzero(drops >= SLIP_FRACTION * largest_of_late(drops))
+        """Indices, in order, of the main ones, see origins.drive.main_drops."""
+        return np.flatnonzero(main_drops(self.drop))
 
     @property
     def period(self) -> float | None:
@@ -53,11 +49,6 @@ class Slips:
     def period_error(self) -> float:
         """Estimate from above of the error of `period` (a length), and of the distance of any two main slips."""
         return 2.0 * self.drive_error
-
-
-def largest_of_late(drops: Array) -> float:
-    """The largest of the later half of these drops, 0 for none: as many small ones may precede it as follow it."""
-    return float(drops[drops.size // 2 if drops.size > 2 else 0 :].max(initial=0.0))
 
 
 def slips_of(rows: Array, spring: float, error: float) -> Slips:

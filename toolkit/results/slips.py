@@ -1,4 +1,4 @@
-"""Which slips of an ensemble's sliders are those of all contacts, and how these differ from one to the next."""
+"""Which slips of an ensemble's sliders are main ones, and how these differ from one to the next."""
 
 from dataclasses import dataclass, fields, replace
 from typing import Any
@@ -6,7 +6,7 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
-from origins.drive import SLIP_FRACTION
+from origins.drive import main_drops
 from origins.thresholds.law import Array
 
 # fewest values of which quartiles are told; of a slider, fewest slips of which the later half is told, else the last
@@ -256,15 +256,17 @@ def slips_to_tell(slips: Any, lasts: bool) -> npt.NDArray[np.int_]:
 
 
 def main_slips(slips: Any) -> Any:
-    """The slips of an ensemble, numbered anew, but those that lower the force by less than SLIP_FRACTION of their
-    slider's largest of late: a narrow peak of P_c may slip alone between slips of all contacts."""
+    """The main slips of an ensemble, numbered anew, see origins.drive.main_drops."""
     kept = np.zeros(slips.drop.size, bool)
     for replica in np.unique(slips.replica):
-        own = np.flatnonzero(slips.replica == replica)
-        drops = np.abs(slips.drop[own])
-        late = drops[drops.size // 2 if drops.size > 2 else 0 :]
-        kept[own] = drops >= SLIP_FRACTION * late.max()
+        own = slips.replica == replica
+        kept[own] = main_drops(slips.drop[own])
     return _of(slips, kept)
+
+
+def with_main_slips(found: Any) -> Any:
+    """An ensemble's result with its main slips alone: what is asked of it then is asked of these."""
+    return replace(found, slips=main_slips(found.slips))
 
 
 def large_slips(slips: Any, least: float) -> Any:

@@ -38,7 +38,7 @@ IN_SI = {own.si: (1.0, own.si) for own in _MACHINE.values()} | {
     unit: (size, own.si) for own in _MACHINE.values() for unit, size in own.others.items()
 }
 # all of these, as they follow a number
-UNITS = {unit for one in _MACHINE.values() for unit in (one.si, one.shared, *one.others)}
+MACHINE_UNITS = {unit for one in _MACHINE.values() for unit in (one.si, one.shared, *one.others)}
 # keys that no rigid slider hangs on
 MACHINE_KEYS = {"drive.slip", *(f"drive.{name}" for name in _MACHINE)}
 # of the spring, from no force on, on a path with some slips

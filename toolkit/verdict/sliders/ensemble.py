@@ -11,7 +11,7 @@ from origins.errors import InputError
 from origins.thresholds.law import Array
 from toolkit.processes.ranks import cores_of
 from toolkit.results.sliding import has_slid, mean_forces, scatter_of
-from toolkit.results.slips import late_slips, left_of_slips, main_slips, shrinks_by
+from toolkit.results.slips import late_slips, left_of_slips, shrinks_by, with_main_slips
 from toolkit.results.traces import trace_of
 from toolkit.scene.scale import told_contacts
 from toolkit.verdict.sliders.budget import MORE_TIME, SHORT, most_breaks, seconds_of, too_long
@@ -139,10 +139,10 @@ def until_settled(
     stable = is_stable_with_delay(machine, contacts)
     times, rounds = (AS_FAR[1], ROUNDS[1]) if stable else (AS_FAR[0], ROUNDS[0])
     for _ in range(rounds if rule == "mass" else 0):
-        main = main_slips(found.slips)
-        lasts = may_slip_again(replace(found, slips=main), machine, contacts, settling)
+        of_main = with_main_slips(found)
+        lasts = may_slip_again(of_main, machine, contacts, settling)
         late = LONGER * times * found.run_time > until - time.monotonic()
-        if not lasts or late or (late_slips(main, SLIDERS).settled and not stable):
+        if not lasts or late or (late_slips(of_main.slips, SLIDERS).settled and not stable):
             break
         end = float(found.path[0]) + times * float(np.ptp(found.path))
         more = machine.points(end - found.path[0]) * (times - 1) // times
@@ -186,23 +186,26 @@ def follow_by_contacts(
     found = until_settled(found, machine, contacts, rule, until, waits)
     if machine.points(np.ptp(found.path)) >= path.size:  # else few points would draw slower swings
         drive, force = trace_of(found, 0, machine.velocity)
-    all_slips = found.slips.drive.size
-    found = replace(found, slips=main_slips(found.slips))
-    smaller = all_slips - found.slips.drive.size
-    slips, unit, number = found.slips, contacts.mean_threshold, found.contacts // SLIDERS
-    common = int(np.bincount(slips.replica, minlength=SLIDERS).min())
-    goes_on = may_slip_again(found, machine, contacts, waits)
+    of_main, unit, number = (
+        with_main_slips(found),
+        contacts.mean_threshold,
+        found.contacts // SLIDERS,
+    )
+    main = of_main.slips
+    common = int(np.bincount(main.replica, minlength=SLIDERS).min())
+    goes_on = may_slip_again(of_main, machine, contacts, waits)
     if goes_on and common < 2:
         return not_followed(rule, ONCE)
     slipped = common > 1 and goes_on
     kind, many, too_early, swings = "stick-slip" if slipped else "smooth", None, 0.0, None
     if slipped:
+        smaller = found.slips.drive.size - main.drive.size
         many = Finite(rule, number, kind, drive=drive, force=force, smaller=smaller)
-        many = with_late_slips(many, slips)
+        many = with_late_slips(many, main)
         before, after, error = many.before, many.after, many.force_error
     if slipped and number < (round(rigid.contacts) if rigid.contacts else np.inf):
         few = _fewer(machine, contacts, rule, path, until) if number > PILOT else None
-        error += (too_early := too_early_by(found, few or found, unit))
+        error += (too_early := too_early_by(of_main, few or of_main, unit))
         if before - after < SURE * error:
             return not_followed(rule, f"{told_contacts(number)} slip, perhaps as they are so few")
     if not common and not has_slid(found, unit):
@@ -213,12 +216,12 @@ def follow_by_contacts(
     forces = found.forces[:, late]
     if not slipped and (swing := float(np.ptp(forces, axis=1).max()) / unit) > RINGS:
         return not_followed(rule, f"its sliders still ring at the path's end, by {swing:.2g} <x_s>")
-    shrinks = shrinks_by(slips, SLIDERS)
+    shrinks = shrinks_by(main, SLIDERS)
     if many:
-        many = in_the_end(many, found, machine, contacts)
+        many = in_the_end(many, of_main, machine, contacts)
         kind = "undecided" if many.kind == "unknown" else many.kind
     if kind == "undecided":
-        last = [slips.mean(f"force_{when}", common - 1) for when in ("before", "after")]
+        last = [main.mean(f"force_{when}", common - 1) for when in ("before", "after")]
         before, error, after = last[0][0], last[0][1] + too_early, last[1][0]
     if not slipped:
         each = mean_forces(found, late)
@@ -226,7 +229,7 @@ def follow_by_contacts(
         scatter = float(each.std(ddof=1)) / SLIDERS**0.5
         error = scatter + 0.5 * float(np.ptp(forces.mean(axis=0)))
         # which contacts that come back together hold for less than from one point to the next
-        error += left_of_slips(found, slips, shrinks)
+        error += left_of_slips(found, main, shrinks)
         steady = rigid.kinetic + machine.damping * machine.velocity
         known = max(
             error, 0.5 * float(np.ptp(forces)) if swing_way else 0.0
@@ -235,7 +238,7 @@ def follow_by_contacts(
             before = after = steady
         if error - scatter > max(scatter, SWUNG * abs(before)):
             swings = float(forces.min()), float(forces.max())
-        seen = slips.drive.size / SLIDERS
+        seen = main.drive.size / SLIDERS
         many = Finite(rule, number, "smooth", slips=seen, fluctuation=scatter_of(forces))
     period_error = 0.0
     if many and many.period:
@@ -258,7 +261,7 @@ def follow_by_contacts(
         run_time=found.run_time,
         drive=drive,
         force=force,
-        in_time=slips_in_time(slips),
+        in_time=slips_in_time(main),
     )
 
 
@@ -284,4 +287,4 @@ def _fewer(
         few = sliders(machine, contacts, rule, path, PILOT, max(until - time.monotonic(), SHORT))
     except InputError:
         return None
-    return replace(few, slips=main_slips(few.slips))
+    return with_main_slips(few)

@@ -22,6 +22,7 @@ from toolkit.results.slips import (
     slips_after,
     slips_beyond,
     swing_beyond_slips,
+    with_main_slips,
 )
 from toolkit.results.traces import trace_of
 from toolkit.scene.scale import in_three_digits, length_unit_of, spoken, told_contacts
@@ -207,30 +208,29 @@ def _judged(asked: Asked, found: Any, way: Way) -> Finite:
     """What sliders do that were followed along a way."""
     machine, contacts, infinite = asked.machine, asked.contacts, asked.infinite
     rule, present, mean = infinite.rule, asked.present, contacts.mean_threshold
-    slips, settles = asked.sticks, asked.settles
+    sticks, settles = asked.sticks, asked.settles
     path, steady, _ = way
     drive, force = trace_of(found, 0, machine.velocity)
-    all_slips = found.slips.drive.size
+    seen = found.slips.drive.size
     if settles:
         found = replace(found, slips=large_slips(found.slips, RISE * mean))
-    if slips:
-        found = replace(found, slips=main_slips(found.slips))
+    found = with_main_slips(found) if sticks else found
     in_time = slips_in_time(main_slips(found.slips))
     counts = np.bincount(found.slips.replica, minlength=SLIDERS)
     if not counts.any() and not has_slid(found, mean):
         return Finite(rule, present, "unknown", message=NOT_SLID)
-    drop = infinite.before - infinite.after if slips else 0.0
+    drop = infinite.before - infinite.after if sticks else 0.0
     own_drop = float(found.slips.drop.mean()) if counts.any() else drop
-    swing = swing_beyond_slips(found, UNSEEN * own_drop) if slips else 0.0
+    swing = swing_beyond_slips(found, UNSEEN * own_drop) if sticks else 0.0
     if swing > SWING_OF_DROP * drop > 0.0:
         why = f"their force swings by {swing / mean:.2g} <x_s>, in falls of few of them each"
         return Finite(rule, present, "unknown", message=why)
     # nobody knows how many of the slips that were seen of infinitely many are followed by others
     if (asked.flowing or infinite.slips) and infinite.kind == "undecided":
         number, main = found.contacts // SLIDERS, main_slips(found.slips)
-        slips = are_lasting(main, SLIDERS)
+        sticks = are_lasting(main, SLIDERS)
         rings = asked.heavy and settling_distance(machine, mean) > np.ptp(path)
-        if rings and not (slips and infinite.slips):
+        if rings and not (sticks and infinite.slips):
             # falls may be those of a swing, but for those that last as they were seen of infinitely many
             why = (
                 "a swing of the mass takes longer to die away than their way: give a larger damping"
@@ -238,13 +238,13 @@ def _judged(asked: Asked, found: Any, way: Way) -> Finite:
             return Finite(rule, present, "unknown", message=why)
         # those of all contacts are over where these have slid on since
         over = number >= present and not _slips_late(asked, found, way)
-        if not (slips or over) and (counts.any() or infinite.slips):
+        if not (sticks or over) and (counts.any() or infinite.slips):
             why = f"{in_three_digits(number)} slip, perhaps only until they slide: what infinitely many do is not known"
             return Finite(rule, present, "unknown", message=why if counts.any() else NOT_SLID)
-        found = replace(found, slips=main) if slips else found
+        found = replace(found, slips=main) if sticks else found
     # where infinitely many slide, they may have slipped before, as F fell from static to kinetic
-    more = counts - (0 if slips else infinite.slips)
-    if not slips:
+    more = counts - (0 if sticks else infinite.slips)
+    if not sticks:
         go_on = _slips_late(asked, found, way)
         if not go_on:
             more[:] = 0  # chance has given them some more, and they are over
@@ -260,7 +260,7 @@ def _judged(asked: Asked, found: Any, way: Way) -> Finite:
             found = replace(found, slips=late) if (more > 0).any() else found
         elif (more > 0).any():  # those that infinitely many have, too, are not told
             found = replace(found, slips=slips_after(found.slips, infinite.slips))
-        all_slips = found.slips.drive.size
+        seen = found.slips.drive.size
     kind = "stick-slip" if more.min() >= 1 else "now and then" if (more > 0).any() else "smooth"
     followed, message = found.contacts // SLIDERS, ""
     if followed < present:
@@ -278,7 +278,7 @@ def _judged(asked: Asked, found: Any, way: Way) -> Finite:
     )
     if counts.any():
         main = found.slips if settles else main_slips(found.slips)
-        smaller = 0 if settles else all_slips - main.drive.size
+        smaller = 0 if settles else seen - main.drive.size
         finite = with_late_slips(replace(finite, smaller=smaller), main)
         if kind == "stick-slip" and infinite.kind == "smooth":  # by chance
             finite = if_it_recurs(finite, main, float(path[-1]), machine.spring if settles else 0.0)

@@ -89,10 +89,10 @@ class Asked:
             much of that they slide at most; both in mean thresholds times N^(-2/3)
         """
         machine, contacts, infinite = self.machine, self.contacts, self.infinite
-        mean, flowing, slips = contacts.mean_threshold, self.flowing, self.sticks
+        mean, flowing, sticks = contacts.mean_threshold, self.flowing, self.sticks
         softness = number ** (-2.0 / 3.0) / machine.spring if self.settles else 0.0
         # contacts that wait hold a slider that sticks to more than F_s of one that moves with the drive
-        highest_force = max(self.static, infinite.before) if slips else self.static
+        highest_force = max(self.static, infinite.before) if sticks else self.static
         if self.heavy and infinite.kind != "undecided":
             highest_force = max(highest_force, float(infinite.force.max(initial=0.0)))
         elif self.heavy and contacts.held_in_time:
@@ -100,26 +100,26 @@ class Asked:
         loading = highest_force / machine.spring + (1.0 + above * softness) * mean + self.waits
         five = infinite.rule not in FLOWING and SLIDERS * number * FIVE_LOADINGS < MODERATE
         loadings = FIVE_LOADINGS if five else LOADINGS_OF_SLIPS
-        end = loadings * loading if slips else loading + BEYOND * mean
-        if infinite.slips and infinite.period and (slips or infinite.kind == "undecided"):
+        end = loadings * loading if sticks else loading + BEYOND * mean
+        if infinite.slips and infinite.period and (sticks or infinite.kind == "undecided"):
             # a heavy slider may slip for longer than the drive loads its spring
             end = max(end, (infinite.in_time.first_slip or 0.0) + loadings * infinite.period)
         longer = MANY_LOADINGS * loading
-        lasting = MANY_LOADINGS if slips else longer / mean
+        lasting = MANY_LOADINGS if sticks else longer / mean
         if infinite.rule not in FLOWING and SLIDERS * number * lasting < CHEAP:
             end = max(end, longer)
         # in a slip that renews contacts all break once; contacts that re-form at once do at each threshold passed
-        lives = 2.0 + BEYOND if not slips else end / mean if flowing else loadings
+        lives = 2.0 + BEYOND if not sticks else end / mean if flowing else loadings
         in_a_slip = np.inf
         if self.heavy and flowing and machine.damping and contacts.waiting_time:
             in_a_slip = lives_in_a_slip(machine, contacts, highest_force, loading)
             lives = min(lives, 2.0 + BEYOND + end / loading * in_a_slip)
         lives += sliding * softness
-        if contacts.thermal is not None and not slips:
+        if contacts.thermal is not None and not sticks:
             # A slider that does not slip creeps under any rule, long before F is that of sliding: on a spring of 2e-6
             # N_c<k> by 8,000 mean thresholds. How far is not known here, but not beyond the drive.
             lives += end / mean
-        elif flowing and not slips:
+        elif flowing and not sticks:
             # the spring relaxes to the force of sliding, to none where that is not known
             relaxed = infinite.after if np.isfinite(infinite.after) else 0.0
             lives += min(max(self.static - relaxed, 0.0) / machine.spring / mean, in_a_slip)

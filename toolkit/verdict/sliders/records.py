@@ -88,7 +88,8 @@ class Behaviour:
     kind : "stick-slip", "smooth", "ever rarer" (see Finite), or "undecided"
     before, after : spring force before and after a slip, the last main one (see Slips.main), also where it is
         undecided whether more follow; both the sliding force where it is smooth
-    period : of the drive, from the last main slip but one to the last; slips : how many there were
+    period : of the drive, from the last main slip but one to the last
+    slips : how many there were, all of infinitely many contacts, main ones of each slider of an ensemble
         Of infinitely many contacts whose slips go on and differ in size, before, after and period are means over the
         later half of the main slips.
     period_error : of the period (a length), from above; where slips differ with the standard error of its mean, of the
