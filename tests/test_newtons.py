@@ -650,7 +650,7 @@ def test_in_heat_the_barriers_of_islands_stand_beside_those_that_heat_overcomes(
     (headline,) = of_cold(loaded.contacts.replace(thermal=None))
     assert f"{own:.2g} k_BT" in headline and not of_cold(loaded.contacts)
     known = f"all is told at T = 0: the islands' own barriers are on average {barriers.mean() / joules:.2g} k_BT"
-    assert cold.startswith(f"{known} at 300 K")
+    assert cold.startswith(f"{known} at 300 K") and f"with width = {1.0 / own:.2g} of" in cold
     # nothing is said where they are too high for heat
     law |= {"substrate": substrate | {"amplitude": -6.4e-20}}
     high = {"thresholds": law, "interface": stated}

@@ -12,6 +12,7 @@ import numpy as np
 import pytest
 from scenes import said
 
+import master
 import origins
 from toolkit.scene.scale import scale_of
 from toolkit.scene.scene import load_scene
@@ -134,6 +135,25 @@ def test_a_structure(page: str) -> None:
     force = origins.barrier(atoms, 0.3, graphite) / 2.46 * 1.602176634e-9
     assert scene.contacts.mean_threshold == pytest.approx(force / 32.0, rel=1e-6)
     assert scale_of(scene.contacts, 1e-6).force_unit == "N"
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("page", ["tutorial-structure.md"], indirect=True)
+def test_heat_on_a_structure(page: str) -> None:
+    """The law of heat whose barrier is the flakes' own, beside those with another one."""
+    run(python(page)[0], {})
+    for law, width, rate, newtons, told in (
+        ("eyring", 0.15, 1e10, 17.3e-6, "17.3 µN"),
+        ("eyring", 0.15, 1e12, 0.245e-6, "0.245 µN"),
+        ("eyring", 0.015, 1e10, 1.28e-3, "1.28 mN"),
+        ("soft", None, 1e10, 41.4e-9, "41.4 nN"),
+        ("stiff", None, 1e10, 41.4e-9, "41.4 nN"),
+    ):
+        heat = {"temperature": {"kelvin": 300.0}} if width is None else {"width": width}
+        heat |= {"law": law, "attempt_frequency": rate}
+        scene = load_scene("flake.toml", solved=False, changes={"contacts.thermal": heat})
+        force = scene.scale.force * master.steady_state(scene.contacts, velocity=1e-6).force
+        assert force == pytest.approx(newtons, rel=5e-3) and told in page
 
 
 @pytest.mark.slow

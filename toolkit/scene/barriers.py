@@ -26,7 +26,7 @@ def of_barriers(contacts: Contacts) -> list[str]:
     if contacts.thermal is None and own < _OVERCOME:
         return [
             f"all is told at T = 0: the islands' own barriers are on average {own:.2g} k_BT at {_WARM:.0f} K, "
-            "which heat overcomes: give contacts.thermal"
+            f"which heat overcomes: give contacts.thermal{_whose_barrier(own)}"
         ]
     if np.isnan(at_break):
         return []
@@ -35,6 +35,16 @@ def of_barriers(contacts: Contacts) -> list[str]:
     if _heat_by_another_barrier(contacts):
         said += f': [contacts.thermal] law = "eyring" with width = {1.0 / own:.2g} has their mean barrier'
     return [said]
+
+
+def _whose_barrier(own: float) -> str:
+    """Which law of heat to choose for islands whose own barriers are so many k_BT; "" where none has so low a one."""
+    if own < 1.0:
+        return ""
+    width = f'law = "eyring" with width = {1.0 / own:.2g}'
+    return (
+        f', {width} of the same mean barrier; that of "soft" and "stiff" is another one, k x_s²/2'
+    )
 
 
 def barriers_of(contacts: Contacts) -> Barriers:
