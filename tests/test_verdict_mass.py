@@ -37,6 +37,7 @@ from toolkit.verdict.sliders.finite import follow_finite
 from toolkit.verdict.sliders.follow import follow
 from toolkit.verdict.sliders.late import shrinking
 from toolkit.verdict.sliders.machine import Machine, RigidSlider, half_a_swing, slip_duration
+from toolkit.verdict.sliders.plans import Asked
 from toolkit.verdict.sliders.records import Behaviour, Finite, not_followed
 from toolkit.verdict.sliders.slips_in_time import SlipsOfMass
 from toolkit.verdict.sliders.ways import lives_in_a_slip, loading_of
@@ -61,6 +62,26 @@ def of_a_mass(kind: str, before: float, **named: Any) -> Behaviour:
     told: dict[str, Any] = {"error": 1e-6, "success": True, "message": "", "run_time": 0.0}
     after = before if kind == "smooth" else -0.5 * before
     return Behaviour("mass", kind, before, after, None, 3, **(told | named))
+
+
+@pytest.mark.parametrize(
+    ("heat", "few", "many"), [(None, 500_000, 600_000), (Thermal("soft", 0.01), 70_000, 75_000)]
+)
+def test_contacts_of_an_area_with_mass_are_followed_for_five_slips(
+    heat: Thermal | None, few: int, many: int
+) -> None:
+    """For three where these are breaks of more than some seconds: 200 ns each, 2 µs in heat. A loading is the way to
+    F_s, the stretch of the contacts, and the way while they are out. Contacts that form again in a slip break at each
+    threshold that it passes, and are followed for three."""
+    lasting = WAITING.replace(thermal=heat)
+    for contacts, number, slips in (
+        (lasting, few, 5.2),
+        (lasting, many, 3.2),
+        (WAITING.replace(delay=None), 1000, 3.2),
+    ):
+        asked = Asked(HEAVY_ON_SOFT, contacts, number, of_a_mass("stick-slip", 0.5), 0.5)
+        loading = 0.5 / HEAVY_ON_SOFT.spring + contacts.mean_threshold + asked.waits
+        assert asked.planned(number, 0.0, 0.0).end == pytest.approx(slips * loading)
 
 
 def of(behaviour: Behaviour, turned: Behaviour | None = None) -> answers.Verdict:

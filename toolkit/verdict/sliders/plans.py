@@ -5,7 +5,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from origins.contacts import Contacts
-from toolkit.verdict.sliders.budget import LONG_DELAY
+from toolkit.verdict.sliders.budget import LONG_DELAY, most_breaks
 from toolkit.verdict.sliders.late import SLIDERS
 from toolkit.verdict.sliders.machine import Machine, slip_duration
 from toolkit.verdict.sliders.records import Behaviour
@@ -17,8 +17,8 @@ FLOWING = ("instant", "mass")
 # length of the drive's path: in loadings where sliders stick and slip, else in mean thresholds beyond the first loading
 LOADINGS_OF_SLIPS, BEYOND = 3.2, 40.0
 # the same in loadings where five slips, each of which breaks all contacts once, are fewer breaks than MODERATE in all,
-# some seconds
-FIVE_LOADINGS, MODERATE = 5.2, 1.2e7
+# some seconds, and with a mass, whose breaks take longer, than this part of the most that are followed
+FIVE_LOADINGS, MODERATE, MODERATE_WITH_MASS = 5.2, 1.2e7, 0.3
 # times F_s of a rigid slider that contacts with a law in time bear at most on one that sticks, where nobody has seen
 # it: those that strengthen by a hundredth for each factor e are 1.3 times as strong after twelve decades, and heat that
 # breaks the weak ones leaves those that bear more
@@ -98,7 +98,10 @@ class Asked:
         elif self.heavy and contacts.held_in_time:
             highest_force *= GROWN
         loading = highest_force / machine.spring + (1.0 + above * softness) * mean + self.waits
-        five = infinite.rule not in FLOWING and SLIDERS * number * FIVE_LOADINGS < MODERATE
+        moderate = MODERATE
+        if self.heavy:
+            moderate = MODERATE_WITH_MASS * most_breaks(contacts, infinite.rule)
+        five = not flowing and SLIDERS * number * FIVE_LOADINGS < moderate
         loadings = FIVE_LOADINGS if five else LOADINGS_OF_SLIPS
         end = loadings * loading if sticks else loading + BEYOND * mean
         if infinite.slips and infinite.period and (sticks or infinite.kind == "undecided"):
