@@ -37,8 +37,9 @@ class SoftSolution:
     force_error : estimate from above of the largest error of `force` along the path, and of K X_T at slips, in units of
         the mean threshold; just before a slip F is as accurate as if X_T were off by slips.drive_error.
     holding : fraction of contacts that hold, shape (n,): 1 without delay and growing grains, as slips take no time.
-    holding_error : estimate from above of its largest error, a share of the contacts: near slips it may be above the
-        tolerance where `force_error` is far below; `success` asks for both.
+    holding_error : estimate from above of its largest error, a share of the contacts, but near slips, where it changes
+        fast: there, and one delay later, it is as accurate as if X_T were off by slips.drive_error; `success` asks for
+        both errors.
     period : distance of X_T between the last two main slips, a length, see Slips.main; None for fewer than two.
     run_time : s; nodes : number of instants at which number conservation was solved.
     success : whether force_error and holding_error are at or below the requested tolerance.

@@ -7,7 +7,8 @@ extrapolation finds the limit: of three slips on K = 1e-6 in heat, with a delay 
 they differed by 1e-5.
 
 So each time is mapped on a slider's own time by straight lines between slips, and by a shift behind each slip until
-births have repeated it. The limit is taken there; and what the share changes by while the slip may be off is an error.
+births have repeated it. The limit is taken there. What the share changes by while the slip may be off is an error of
+X_T at the slip, as for the force, and none of the share.
 """
 
 from itertools import pairwise
@@ -26,12 +27,10 @@ DELAYS, OF_GAP = 3.0, 0.5
 
 
 class AlignedHolding(NamedTuple):
-    """The share that holds at times (n,), its changes, as of other values, and what it changes by while slips may be
-    off, shapes (n,), (2, n), (n,)."""
+    """The share that holds at times (n,), and its changes as slips are where they are at step 0, (2, n)."""
 
     holding: Array
     changes: Array
-    beside: Array
 
 
 def aligned_holding(sliders: list[Slider], slips: Array, times: Array) -> AlignedHolding | None:
@@ -54,14 +53,7 @@ def aligned_holding(sliders: list[Slider], slips: Array, times: Array) -> Aligne
     coarse, middle, fine = (at(which, knots[-1]) for which in range(3))
     before, now = middle - coarse, fine - middle
     changes = np.abs([now, now + REST_OF_CHANGE * (now - before)])
-    # of the slips' times themselves, the same
-    apart, later = slips[1] - slips[0], slips[2] - slips[1]
-    off = np.abs([later, later + REST_OF_CHANGE * (later - apart)])
-    moved = last.contacts.memory.safety * float(off.max(axis=1).min())
-    inside = np.append(0.0, np.append(np.full(knots[-1].size - 2, moved), 0.0))
-    elsewhere = [np.maximum.accumulate(knots[-1] + by * inside) for by in (-1.0, 1.0)]
-    beside = np.max([np.abs(at(2, on) - fine) for on in elsewhere], axis=0)
-    return AlignedHolding(fine + REST_OF_CHANGE * now, changes, beside)
+    return AlignedHolding(fine + REST_OF_CHANGE * now, changes)
 
 
 def _knots(slips: Array, end: float, shifted: float, at_step_0: Array) -> Array:

@@ -200,8 +200,7 @@ def _limit(sliders: list[Slider], times: Array) -> Limit:
     of_holding = _of_steps(last, changes, times[far], SHARE)
     aligned = aligned_holding(sliders, slips.times, times)
     if aligned is not None:
-        more = aligned.beside / last.contacts.memory.safety
-        off = _of_steps(last, (aligned.changes + more)[:, far], times[far], SHARE)
+        off = _of_steps(last, aligned.changes[:, far], times[far], SHARE)
         if off.size < of_holding.size:
             of_holding = off
             answer.holding[far] = aligned.holding[far]
