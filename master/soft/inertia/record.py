@@ -12,6 +12,13 @@ from origins.thresholds.law import Array
 
 # Share of the contacts that breaks in a fall of the force; rounding is below it.
 ANY = 1e-6
+# Of the time of a swing down: a longer part in which the force falls by LOWER of it is no half swing, of which a
+# fiftieth is so flat, but of a slider that only comes close to its end.
+FADES = 0.25
+# Part of LOWER by which the force changes from one instant that is kept to the next.
+NEXT = 0.25
+# Share of a fall in place of 0.
+TINY = 1e-30
 
 
 class Instant(NamedTuple):
@@ -28,11 +35,13 @@ class Instant(NamedTuple):
 
 
 class SlipWithMass(NamedTuple):
-    """A swing down of the spring's force that ended a stick, and the top speed in it along the axis of X."""
+    """A swing down of the spring's force that ended a stick, and the top speed in it along the axis of X; whether it
+    fades, so that its end is where all but LOWER of it is done, with the force that it comes close to."""
 
     begin: Instant
     end: Instant
     top_speed: float
+    fades: bool
 
 
 class Watched(NamedTuple):
@@ -111,6 +120,7 @@ class Record:
         """`unit` is the mean threshold, a length; `waits` the delay of the contacts, a time."""
         self.times, self._rise, self._room = times, RISE * unit, ROOM * unit
         self._unit, self._waits = unit, waits
+        self._path_end = float(times[-1]) if times.size else np.inf
         self.place, self.speed, self.contact_force = (np.full(times.size, np.nan) for _ in range(3))
         self.work, self.damped, self.on_contacts = (np.full(times.size, np.nan) for _ in range(3))
         self.stored, self.holding = np.zeros(times.size), np.ones(times.size)
@@ -118,11 +128,14 @@ class Record:
         # where the present fall began, and the largest speed in it along the drive's way
         self._fall: Instant | None = None
         self._top_speed = 0.0
+        self._way_down = list[Instant]()  # the slider in it, wherever the force has changed
         # where the present swing down, or the next one, begins, and where it has been lowest, None before it has fallen
         # enough; the largest speed in it; whether it is the last slip
         self._high: Instant | None = None
         self._low: Instant | None = None
         self._top_of_swing, self._slips, self._direction = 0.0, False, 0
+        self._end: Instant | None = None  # of that swing, where it fades
+        self._limit = 0.0  # the drive's speed along its way, at least 0
         # whether the slider has stuck since the last slip, and the breaks when it last did
         self._stuck, self._broken_before = True, 0.0
         # X and the share that held there
@@ -164,7 +177,7 @@ class Record:
 
     def watch(self, seen: Watched) -> None:
         """Begin and end falls of the spring's force, and see whether the slider sticks outside of them."""
-        limit = max(seen.drive_speed, 0.0)
+        self._limit = limit = max(seen.drive_speed, 0.0)
         if seen.drive_direction != self._direction:
             self._direction = seen.drive_direction
             self._end_swing()
@@ -177,6 +190,35 @@ class Record:
                 self._see_stick(k, t, seen)
             else:
                 self._top_speed = max(self._top_speed, _peak(seen.speeds, k))
+                high, force = self._high or self._fall, float(seen.forces[k])
+                change = abs(force - self._way_down[-1].force)
+                ends = t >= (1.0 - 1e-12) * self._path_end
+                if ends or change > NEXT * LOWER * abs(high.force - force):
+                    self._way_down.append(seen.at(t))
+
+    def end_path(self) -> None:
+        """The path has ended: so has a fall that has faded."""
+        if self._fall is None:
+            return
+        last = self._way_down[-1]
+        if self._faded(self._high or self._fall, last) is not None:
+            self._begin_or_end_fall(last, self._limit, self._direction)
+
+    def _faded(self, high: Instant, at: Instant) -> Instant | None:
+        """Where all but LOWER of a swing from `high` down to `at` is done, with its force, if the slider has spent
+        more than a part FADES of its time from there on; else None."""
+        down = [*self._way_down, at]
+        rest = np.array([one.force - at.force for one in down]) / (high.force - at.force)
+        k = max(int(np.argmax(rest <= LOWER)), 1)
+        # between two of them the rest falls as an exponential does
+        first, last = np.log(np.clip(rest[k - 1 : k + 1], TINY, 1.0) / LOWER).tolist()
+        part = first / (first - last) if first > 0.0 > last else 1.0
+        low, up = down[k - 1], down[k]
+        when = low.time + part * (up.time - low.time)
+        place = low.place + part * (up.place - low.place)
+        if at.time - when <= FADES * (at.time - high.time):
+            return None
+        return at._replace(time=when, place=place)
 
     @property
     def slips_since(self) -> float | None:
@@ -211,6 +253,7 @@ class Record:
         ahead = drive_direction
         if begin is None:
             self._fall, self._top_speed = at, 0.0
+            self._way_down = [at]
             if self._low is not None and ahead * (at.force - self._low.force) >= self._rise:
                 self._end_swing()
             if self._low is None and (
@@ -223,7 +266,8 @@ class Record:
         self._top_of_swing = top = max(self._top_of_swing, self._top_speed)
         if self._low is not None or drop >= self._rise:
             lower = self._low is None or ahead * (self._low.force - at.force) > LOWER * drop
-            low = self._low = at if lower or self._low is None else self._low
+            if lower or self._low is None:
+                self._low, self._end = at, self._faded(high, at)
             # of those that held, and of those that hold in steady sliding
             holding = self._unit / (self._unit + limit * self._waits)
             least = max(RISE, SLIP_FRACTION * max(self._held, holding))
@@ -232,7 +276,8 @@ class Record:
             if self._slips:
                 self.slips.pop()
             if begins or self._slips:
-                self.slips.append(SlipWithMass(high, low, ahead * top))
+                fades = self._end is not None
+                self.slips.append(SlipWithMass(high, self._end or self._low, ahead * top, fades))
                 self._slips, self._stuck = True, False
             if begins or (self._slips and lower):
                 self._rest = at

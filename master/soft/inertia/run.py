@@ -43,10 +43,11 @@ class SlipsInTime(Slips):
     """Slips of a slider with mass: falls of the spring's force that end a stick, as those of many contacts by
     eq_model.simulate.
 
-    time : when the slider begins to be faster than the drive; duration : until it is slower again, shape (n,)
+    time : when the slider begins to be faster than the drive; duration : until it is slower again, or, where it only
+        comes close to that, until all but a thousandth of the fall is done, shape (n,)
     top_speed : largest dX/dt on the way (length per time), shape (n,)
     duration_error : estimate from above of the largest error of `duration`, a time; inf where it is not known, as
-        of a slip that fades without a swing, whose end, the speed of the drive, is reached slowly.
+        where one slip fades without a swing: its thousandth hangs on the error of the force (a hundredth of it or so).
     force_error : the same of the forces before and after slips, in mean thresholds; that of X_T, `drive_error`, may
         add up from slip to slip
     spacing_error : the same of the distance of X_T from one slip to the next, a length; inf where it is not known
@@ -127,6 +128,7 @@ class Run:
         try:
             self.stored_first = slider.stored_first
             slider.run()
+            self.record.end_path()
         except StoppedError as why:
             self.stopped = str(why)
             if self.stopped == RINGS:
@@ -244,6 +246,8 @@ class Run:
         chance none, as much of a duration as the error is of the slip's fall. inf for other numbers of slips, and
         where it does not follow the force in proportion, as at the end of a slip that fades."""
         ours, theirs = self.slips(0.0), other.slips(0.0)
+        if any(slip.fades for slip in self.record.slips):
+            return np.inf
         differ = self.differ(other).force_and_load
         if not np.isfinite(differ) or not np.isfinite(error):
             return np.inf

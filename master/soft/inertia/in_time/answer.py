@@ -155,6 +155,8 @@ def answer(
             beside = Beside(at_end._replace(size=most / unit), most / unit, 1.0)
     parts = [*parts, *unseen]
     duration_error += _of_durations(slips, total(parts) * unit, last, drive)
+    if any(slip.fades for slip in last.falls.slips):
+        duration_error = np.inf
     columns = {of: limit[k, : asked.size] for k, of in enumerate(COLUMNS)}
     more_of_contacts = max((slid.of_contacts for slid in last.slides), default=0.0) / unit
     of_contacts += total(unseen) + more_of_contacts
