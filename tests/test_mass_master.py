@@ -461,6 +461,17 @@ def test_a_small_slip_that_fades_is_told_whatever_the_tolerance() -> None:
         assert abs(found.force[-1] - slips.force_after[0]) < 1e-4
 
 
+def test_without_mass_and_damping_a_slider_above_the_critical_spring_falls_as_its_balance() -> None:
+    """Where "instant" has no slip: K* = -F' at the steepest, so that the slider is K/(K - K*) times as fast there."""
+    contacts, spring = origins.Contacts(origins.gaussian(1.0, 0.3)), 0.5
+    critical = master.propensity(contacts).critical_spring
+    machine = {"spring": spring, "mass": 1e-13, "damping": 1e-5}
+    slips = master.solve(contacts, [4.0], 1e-3, **machine).slips
+    assert slips.drive.size == 1 and abs(slips.drop[0] - 0.1535) < 1e-3
+    assert abs(slips.top_speed[0] * (spring - critical) / spring - 1.0) < 2e-3
+    assert not master.solve(contacts, [4.0], 1e-3, spring=spring, slip="instant").slips.drive.size
+
+
 @pytest.mark.parametrize("ratio", [1.0, 4.0])
 def test_a_free_slider_beyond_critical_damping_ends_its_slip_a_thousandth_before(ratio) -> None:
     """Of contacts that all wait, by the two exponentials from rest: what is left of the fall is 1e-3 of it. The slider
