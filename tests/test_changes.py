@@ -44,6 +44,9 @@ def test_a_shown_scene_names_what_it_leaves_out_and_finds_its_files(capsys: Any)
     assert 'file = "far/own.txt"' in out and 'quantity = "x_s"' in out
     (first, *_) = (line for line in out if line.startswith("# left out: ") and "x_s" in line)
     assert "column" in first and "# left out: tolerance" in out
+    whole = str(Path("far/own.txt").resolve())  # the place of a file that is named in full stays so
+    _, shown, _ = said(capsys, "show", file, "--set", f'contacts.thresholds.file="{whole}"')
+    assert f'file = "{whole}"' in shown
     Path("here.toml").write_text("\n".join(out))
     assert toolkit.load_scene("here.toml").contacts.mean_threshold == pytest.approx(1.0, abs=0.01)
 

@@ -610,6 +610,12 @@ def test_a_sweep_over_a_spring_shows_forces_before_and_after_slips() -> None:
     np.testing.assert_array_equal(before, result.sweep["force_before_slip"])
     assert np.isfinite(before[:2]).all() and np.isnan(before[2])
     assert "force_before_slip" in result.sweep._ipython_key_completions_()
+    # of several lines the axis names the force, in short lines, and the legend tells why marks are missing
+    sweep |= {"contacts.thresholds.std": [0.2, 0.3]}
+    axes = Figure().subplots()
+    plot_points(axes, toolkit.run(scene(table, drive={"to": 8.0, "points": 81}, sweep=sweep)))
+    assert axes.get_ylabel().splitlines()[1] == "before the last slip (units of length)"
+    assert "no mark: no slip" in [text.get_text() for text in axes.get_legend().get_texts()]
 
 
 @pytest.mark.parametrize("error", [*(slow(one) for one in (1e-9, 1e-2)), np.inf])

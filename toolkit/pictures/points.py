@@ -11,6 +11,7 @@ from master.rate_state.speeds import constant_between
 from origins.thresholds.law import Array
 from toolkit.pictures.axes import (
     force_name,
+    in_lines,
     legend_above,
     name_axis,
     some_of,
@@ -23,6 +24,7 @@ from toolkit.scene.scale import PREFIXED, SHARED, written
 
 _LINES = 8  # as can be distinguished
 _LETTERS = 98  # of a legend above the panel, which is wider than others
+_SHORT_LINE = 22  # letters of a line along the axis of one of several panels
 _MARKED = 30  # points of a line; with more, some carry a mark
 # of the largest value: a change of no account, which is not to fill the axis
 FLAT = 0.01
@@ -59,11 +61,12 @@ def plot_points(
     x, unit = _numbers(sweep[first].ravel())
     name = name or ("force" if sweep.smooth else "kinetic_force")
     units = key_units(sweep.along, result.scale)
-    columns = {name: ""}
+    columns, unmarked = {name: ""}, ""
     if name == "kinetic_force" and (slips := _of_slips(sweep)):
         columns = slips | {name: "kinetic force $F_k$, rigid slider"}
-        if others:  # whose lines are many: one column
-            columns = dict([*slips.items()][:1])
+        if others:  # whose lines are many: one column, and the axis has room for its name alone
+            named, _, unmarked = next(iter(slips.values())).partition(" (no mark")
+            columns = {next(iter(slips)): in_lines(named, _SHORT_LINE)}
     each = {key: sweep[key].ravel() for key in others}
     short = last_words(others)
     lines = [
@@ -99,6 +102,8 @@ def plot_points(
             number += 1
     if undecided.any():
         axes.plot([], [], "o", color="0.4", mfc="none", ms=5, label=_NOT_DECIDED)
+    if unmarked:
+        axes.plot([], [], " ", label=f"no mark{unmarked.removesuffix(')')}")
     # points without a value, as those without slips, are on the axis, too
     axes.update_datalim(np.column_stack([x, x]), updatey=False)
     if x.min() > 0.0 and x.max() > _LOG_FROM * x.min():
@@ -195,7 +200,7 @@ def _of_slips(sweep: SweepRecord) -> dict[str, str]:
     if _OF_ENSEMBLE in known:
         known[_OF_ENSEMBLE] &= _swings_on(sweep).reshape(known[_OF_ENSEMBLE].shape)
     none = dict.fromkeys(named, " (no mark: no slip)")
-    none[_OF_ENSEMBLE] = " (no mark: no slips in the end)"
+    none[_OF_ENSEMBLE] = " (no mark: no slips in the end, or none yet)"
     return {
         name: named[name] + ("" if there.all() else none[name])
         for name, there in known.items()
@@ -276,8 +281,7 @@ def plot_points_swing(axes: Any, result: Result) -> Any:
         axes.axvspan(low, high, color="0.9", lw=0, zorder=0, label=label)
     if rising.any():
         axes.plot([], [], " ", label="no mark: the force only rises at the end of the path")
-    if axes.get_legend_handles_labels()[1]:
-        legend_above(axes)
+    legend_above(axes)
     return axes
 
 

@@ -42,7 +42,7 @@ def with_defaults(tables: Mapping[str, Any]) -> dict[str, Any]:
 
 
 def _from_here(table: dict[str, Any], folder: Path) -> dict[str, Any]:
-    """The table, and those within it, with the names of files relative to the current folder."""
+    """The table, and those within it, with relative names of files made relative to the current folder."""
     out = dict(table)
     for key, value in table.items():
         if isinstance(value, Mapping):
@@ -50,7 +50,7 @@ def _from_here(table: dict[str, Any], folder: Path) -> dict[str, Any]:
         elif isinstance(value, list):
             out[key] = [_from_here(one, folder) if isinstance(one, dict) else one for one in value]
         elif key == "file" and isinstance(value, str) and folder.resolve() != Path.cwd():
-            out[key] = os.path.relpath(folder / value)
+            out[key] = value if Path(value).is_absolute() else os.path.relpath(folder / value)
     return out
 
 
