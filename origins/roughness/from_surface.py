@@ -80,7 +80,11 @@ def from_moments(
         if value not in ("gaussian", "elastic"):
             refuse(name, value, 'belongs to the summits of model = "gw"; leave it out')
     if patch_area is None:
-        refuse("patch_area", None, 'model = "persson" needs it, as interface.mean_area of "gw"')
+        refuse(
+            "patch_area",
+            None,
+            'model = "persson" needs it: take interface.mean_area of model = "gw", "mean area" of `thresholds`',
+        )
     return _on_patches(fields, between("patch_area", patch_area, 1e-40, 1e20, "it is in m²"))
 
 

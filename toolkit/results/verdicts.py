@@ -8,7 +8,7 @@ from origins.roughness.interface import Interface
 from origins.samples.from_samples import sampled_parts
 from toolkit.results.kinds import is_coupled, is_heavy, is_precise
 from toolkit.results.records import Result
-from toolkit.scene.scale import SHARED, of_contacts, written
+from toolkit.scene.scale import SHARED, of_contacts, told_contacts, written
 from toolkit.scene.scene import Scene
 
 # breaks of a slider that take some minutes, with a mass half an hour; the shortest way of a slider, in mean thresholds,
@@ -117,7 +117,9 @@ def _of_so_many(scene: Scene, regime: Any) -> str:
     number = scale.contacts
     if number is None or not of_infinitely_many(scene, regime):
         return ""
-    said = f"; smooth only for infinitely many contacts: the area holds {number:.3g} contacts"
+    if scene.eq is not None and abs(scene.eq.contacts - number) < 0.1 * number:
+        return ""  # as [eq] tells what so many do
+    said = f"; smooth only for infinitely many contacts: the area holds {told_contacts(number)}"
     return said if scene.contacts.held_in_time else said + _how_to_follow(scene, number)
 
 
