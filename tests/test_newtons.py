@@ -567,10 +567,14 @@ def test_an_error_that_is_not_known_is_told_behind_the_unit() -> None:
     assert spring.endswith("  0 N_c<k>, error not known") and ratio.endswith("  1, error not known")
 
 
+@pytest.mark.parametrize("unit", [{"unit": "nN"}, {}])
 @pytest.mark.parametrize("stated, refused", [(20.0, False), (20, False), (5.0, True)])
-def test_a_stiffness_stated_twice_is_one(stated: float, refused: bool) -> None:
-    """Forces in nN over 20 N/m are lengths, which 5 N/m would turn into forces of a quarter."""
-    law = {"kind": "from-samples", "f_s": [1.0, 2.0, 3.0], "unit": "nN", "stiffness": 20.0}
+def test_a_stiffness_stated_twice_is_one(
+    stated: float, refused: bool, unit: dict[str, str]
+) -> None:
+    """Forces in nN over 20 N/m are lengths, which 5 N/m would turn into forces of a quarter; so are forces in newtons,
+    which need no unit."""
+    law = {"kind": "from-samples", "f_s": [1e-9, 2e-9, 3e-9], "stiffness": 20.0} | unit
     interface = {"mean_stiffness": stated, "contact_density": 1e12}
     tables: dict[str, Any] = {"contacts": {"thresholds": law, "interface": interface}}
     if not refused:

@@ -1,5 +1,6 @@
 """Thresholds through samples: a scene's own values, or a column of a text file, with header, weights and unit."""
 
+import math
 import re
 from collections.abc import Mapping, Sequence
 from itertools import takewhile
@@ -196,12 +197,16 @@ def _check_energy(law: Mapping[str, Any], interface: Mapping[str, Any] | None) -
 
 def _check_one_stiffness(law: Mapping[str, Any], interface: Mapping[str, Any] | None) -> None:
     """Refuse an interface whose <k> is not the stiffness by which forces of the law, or islands, became lengths: forces
-    of the answer would be off by their ratio. Where it hangs on the island, or is in units of its own, the two are not
-    compared."""
-    alike = law.get("unit") in NEWTONS or (law.get("kind"), law.get("law")) == ("domains", "equal")
+    of the answer would be off by their ratio. Where it hangs on the island the two are not compared; forces without a
+    `unit` may be in nN, mN or the like, and their stiffness with them."""
+    forces = "f_s" in law or law.get("quantity") == "f_s"
+    alike = forces or (law.get("kind"), law.get("law")) == ("domains", "equal")
     stated, given = (interface or {}).get("mean_stiffness"), law.get("stiffness")
     if not (alike and isinstance(stated, float | int) and isinstance(given, float | int)):
         return
-    if given > 0.0 and abs(stated - given) > SAME_STIFFNESS * given:
+    if not (given > 0.0 and 1e-30 < stated / given < 1e30):
+        return
+    unit = 1e3 ** round(math.log(stated / given, 1e3)) if forces and "unit" not in law else 1.0
+    if abs(stated - unit * given) > SAME_STIFFNESS * unit * given:
         hint = f"thresholds.stiffness = {given:g} N/m turned forces into lengths; give the same <k>"
         refuse("contacts.interface.mean_stiffness", stated, hint)
