@@ -1,5 +1,7 @@
 """The state of a slider with mass and its contacts, which form again after a delay: what motions change and record."""
 
+from collections.abc import Callable
+
 import numpy as np
 
 from master.outcome import NUMBERS, FaultError
@@ -11,7 +13,7 @@ from master.soft.inertia.delayed.panel import FORCE, TimePanel
 from master.soft.inertia.delayed.past_breaks import PastBreaks
 from master.soft.inertia.delayed.survival import Survival
 from master.soft.inertia.reaction import ALIKE
-from master.soft.inertia.record import NOTHING_SPENT, Instant, Record, Spent
+from master.soft.inertia.record import NOTHING_SPENT, Instant, Record, Spent, Watched, crossing
 from origins import Contacts
 from origins.drive import Drive
 from origins.thresholds.law import Array
@@ -218,7 +220,25 @@ class DelayedBody:
         drive = float(self.drive.at(t))
         return Instant(t, drive, x, self.machine.spring * (drive - x), breaks)
 
-    @property
-    def slip_speed(self) -> float:
-        """Speed along the way of the drive above which the spring's force falls."""
-        return max(self.drive.direction * self.drive.speed, 0.0)
+    def watched(
+        self,
+        times: Array,
+        drives: Array,
+        places: Array,
+        holding: Array,
+        speed: Callable[[Array | float], Array],
+        at: Callable[[float], Instant],
+    ) -> Watched:
+        """For the record: X_T, X and the share that holds at these times, by a clock of the caller's, at whose times
+        dX/dt is `speed` and the slider is `at`."""
+        way = self.drive.direction
+        drive_speed, forces = way * self.drive.speed, self.machine.spring * (drives - places)
+
+        def when(index: int) -> float:
+            def excess(t: float) -> float:
+                return way * float(speed(t)) - max(drive_speed, 0.0)
+
+            return crossing(excess, times[index], times[index + 1])
+
+        speeds = way * speed(times)
+        return Watched(times, speeds, places, forces, holding, drive_speed, way, at, when)

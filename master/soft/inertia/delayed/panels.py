@@ -19,7 +19,7 @@ from master.soft.inertia.delayed.panel import (
 )
 from master.soft.inertia.delayed.panel_search import PanelSearch
 from master.soft.inertia.delayed.pull import Sliding
-from master.soft.inertia.record import Instant, Record, Spent, Watched, crossing
+from master.soft.inertia.record import Instant, Record, Spent
 from origins import Contacts
 from origins.thresholds.law import Array
 
@@ -229,33 +229,20 @@ class OnPanels:
 
     def _watch(self, part: Part) -> None:
         """Falls of the spring's force on a part of a panel."""
-        body, drive, past, panel = self._body, self._body.drive, self._body.past, part.panel
-        times, limit = panel.begin + PARTS * panel.width, body.slip_speed
+        body, past, panel = self._body, self._body.past, part.panel
+        times = panel.begin + PARTS * panel.width
 
-        def when(index: int) -> float:
-            def excess(t: float) -> float:
-                return drive.direction * float(panel.slope(t, POSITION)) - limit
-
-            return crossing(excess, times[index], times[index + 1])
+        def speed(t: Array | float) -> Array:
+            return np.asarray(panel.slope(t, POSITION))
 
         def at(t: float) -> Instant:
             breaks = float(panel.at(t, BREAKS)) + past.broken_together
             return body.instant(t, float(panel.at(t, POSITION)), breaks)
 
-        x = panel.at(times, POSITION)
+        x, drives = panel.at(times, POSITION), body.drive.at(times)
         formed = past.formed + panel.width * (TO_PARTS @ part.birth_rate)
-        watched = Watched(
-            times=times,
-            speeds=drive.direction * panel.slope(times, POSITION),
-            places=x,
-            forces=body.machine.spring * (drive.at(times) - x),
-            holding=past.holding(formed, panel.at(times, BREAKS)),
-            drive_speed=drive.direction * drive.speed,
-            drive_direction=drive.direction,
-            at=at,
-            when=when,
-        )
-        self._record.watch(watched)
+        holding = past.holding(formed, panel.at(times, BREAKS))
+        self._record.watch(body.watched(times, drives, x, holding, speed, at))
 
 
 def _ends(panel: TimePanel) -> tuple[float, float]:

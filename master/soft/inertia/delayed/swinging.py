@@ -12,7 +12,7 @@ from master.soft.inertia.delayed.collocation import SliderState
 from master.soft.inertia.delayed.past_breaks import EPSILON
 from master.soft.inertia.oscillation import NONE_HOLDS, Held, Oscillation, Pulled
 from master.soft.inertia.reaction import ALIKE
-from master.soft.inertia.record import Instant, Record, Watched, crossing
+from master.soft.inertia.record import Instant, Record, Watched
 from origins.thresholds.law import Array
 
 # Shortest closed motion that is worth it, in periods.
@@ -193,32 +193,15 @@ class Swinging:
     def _watch(self, motion: Oscillation, lasts: float) -> None:
         """Falls of the spring's force in a closed motion."""
         body, state = self._body, self._body.state
-        breaks, limit = body.past.breaks + body.past.broken_together, body.slip_speed
-        drive, k, unbroken = body.drive, body.machine.spring, body.contacts.unbroken()
+        breaks, unbroken = body.past.breaks + body.past.broken_together, body.contacts.unbroken()
+
+        def at(t: float) -> Instant:
+            return body.instant(state.t + t, state.x + float(motion.travel(t)), breaks)
 
         def seen(times: Array) -> Watched:
             """The slider at some times since the motion began, as the record asks for it to find falls of the force."""
-
-            def when(index: int) -> float:
-                def excess(t: float) -> float:
-                    return drive.direction * float(motion.speed(t)) - limit
-
-                return crossing(excess, times[index], times[index + 1])
-
-            def at(t: float) -> Instant:
-                return body.instant(state.t + t, state.x + float(motion.travel(t)), breaks)
-
-            x = state.x + motion.travel(times)
-            return Watched(
-                times=times,
-                speeds=drive.direction * motion.speed(times),
-                places=x,
-                forces=k * (drive.at(state.t + times) - x),
-                holding=np.full(times.size, unbroken),
-                drive_speed=drive.direction * drive.speed,
-                drive_direction=drive.direction,
-                at=at,
-                when=when,
-            )
+            x, holding = state.x + motion.travel(times), np.full(times.size, unbroken)
+            drives = body.drive.at(state.t + times)
+            return body.watched(times, drives, x, holding, motion.speed, at)
 
         watch_closed(self._record, motion, lasts, seen)
