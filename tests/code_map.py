@@ -266,6 +266,11 @@ QUESTIONS = {
         "eq_model:proposed",
         "eq_model:_window",
     ),
+    "a key of a scene: its type; its number, of a machine with its unit; given to the solvers": (
+        "toolkit/scene/tables.py:read_table",
+        "toolkit/scene/drive.py:machine_number",
+        "toolkit/scene/drive.py:make_drive",
+    ),
     "a scene read; solved; written to disk": (
         "toolkit:load_scene",
         "toolkit:solve",

@@ -30,20 +30,23 @@ def kinetic(contacts: Contacts, velocity: float) -> float:
     return float(master.steady_state(contacts, velocity=velocity).force)
 
 
-@pytest.mark.parametrize("law", [WIDE, slow(SPREAD)])
-def test_the_response_is_that_to_a_small_step_of_the_speed(law: Any) -> None:
+def stepped(contacts: Contacts, tolerance: float, points: int) -> None:
     """With R(X), the change of F after a step for each factor e of the speed, G(iq) = iq T(iq), T its transform."""
-    contacts, step, waves = Contacts(law, thermal=EYRING), 0.02, np.array([0.3, 2.0, 6.0])
-    way = np.linspace(0.0, 8.0, 801)
+    step, waves, way = 0.02, np.array([0.3, 2.0, 6.0]), np.linspace(0.0, 8.0, points)
     runs = []
     for ratio in (np.exp(-step), np.exp(step)):
         # 30 thresholds at one speed, then on at another
         path = np.append(np.linspace(0.0, 30.0, 31)[:-1], 30.0 + way)
         time = np.append(np.linspace(0.0, 30.0, 31)[:-1], 30.0 + way / ratio) / 1e-4
-        runs.append(master.solve(contacts, path, 1e-7, time=time).force[30:])
+        runs.append(np.asarray(master.solve(contacts, path, tolerance, time=time).force)[30:])
     mean = (runs[1] - runs[0]) / (2.0 * step)
     told = response(contacts, 1e-4, waves)
     assert told == pytest.approx(1j * waves * transform(way, mean, waves), abs=2e-3)
+
+
+@pytest.mark.parametrize("law", [WIDE, slow(SPREAD)])
+def test_the_response_is_that_to_a_small_step_of_the_speed(law: Any) -> None:
+    stepped(Contacts(law, thermal=EYRING), 1e-7, 801)
 
 
 @pytest.mark.parametrize("width", [0.01, 0.1])

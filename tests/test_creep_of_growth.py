@@ -8,11 +8,10 @@ from conftest import slow
 
 import master
 import origins
-from master.rate_state.critical_spring import transform
 from master.soft.in_time.creep import may_creep
 from master.steady.response import has_response, is_stable, response
 from origins import Contacts, Delay, Thermal, gaussian
-from tests.test_creep import EYRING, SOFTEST, SPREAD, WIDE, kinetic
+from tests.test_creep import EYRING, SOFTEST, SPREAD, WIDE, kinetic, stepped
 
 
 def growing(law: object, beta: float, time: float = 1.0, width: float = 0.03) -> Contacts:
@@ -44,16 +43,7 @@ def test_contacts_that_hardly_grow_answer_as_those_that_do_not(width: float) -> 
 
 @pytest.mark.slow
 def test_the_response_is_that_to_a_small_step_of_the_speed() -> None:
-    """As in test_creep, by the master equation of a rigid slider."""
-    contacts, step, waves = growing(WIDE, 0.03), 0.02, np.array([0.3, 2.0, 6.0])
-    way, runs = np.linspace(0.0, 8.0, 401), []
-    for ratio in (np.exp(-step), np.exp(step)):
-        path = np.append(np.linspace(0.0, 30.0, 31)[:-1], 30.0 + way)
-        time = np.append(np.linspace(0.0, 30.0, 31)[:-1], 30.0 + way / ratio) / 1e-4
-        runs.append(np.asarray(master.solve(contacts, path, 1e-6, time=time).force)[30:])
-    mean = (runs[1] - runs[0]) / (2.0 * step)
-    expected = 1j * waves * transform(way, mean, waves)
-    assert response(contacts, 1e-4, waves) == pytest.approx(expected, abs=2e-3)
+    stepped(growing(WIDE, 0.03), 1e-6, 401)
 
 
 @pytest.mark.slow

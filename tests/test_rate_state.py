@@ -237,6 +237,8 @@ def test_a_delay_has_no_direct_effect(delayed: master.RateState) -> None:
 
 
 BETA = 0.03
+STRENGTHENED: dict[str, Any] = {"thresholds": {"kind": "gaussian", "mean": 1.0, "std": 0.2}}
+STRENGTHENED |= {"strengthening": {"beta": BETA, "time": 1e-3}}
 STRONGER = strengthening(WIDE, beta=BETA, time=1e-3)
 
 
@@ -643,9 +645,7 @@ def test_a_stopped_command_leaves_what_is_known(
 ) -> None:
     """Once the steps are solved: their page and files, the same as those of a call; without that nothing."""
     monkeypatch.chdir(tmp_path)
-    contacts = {"thresholds": {"kind": "gaussian", "mean": 1.0, "std": 0.2}}
-    contacts["strengthening"] = {"beta": BETA, "time": 1e-3}
-    file = write(master=None, contacts=contacts, drive={"velocity": 1.0}, wall_time=1e9)
+    file = write(master=None, contacts=STRENGTHENED, drive={"velocity": 1.0}, wall_time=1e9)
     ends = {KeyboardInterrupt: (130, "interrupted; "), Terminated: (143, "terminated; ")}
     status, begins = ends.get(stop, (2, "wall_time = "))
     # of two ends that leave as much, both where the test is slow
@@ -742,9 +742,7 @@ def test_the_end_of_the_time_is_told_by_the_runs_own_parts(
 ) -> None:
     """In which rest it was over, and how long those before it took, on a clock on which each takes 7 s."""
     monkeypatch.chdir(tmp_path)
-    contacts = {"thresholds": {"kind": "gaussian", "mean": 1.0, "std": 0.2}}
-    contacts["strengthening"] = {"beta": BETA, "time": 1e-3}
-    file = write(master=None, contacts=contacts, drive={"velocity": 1.0}, wall_time=1e9)
+    file = write(master=None, contacts=STRENGTHENED, drive={"velocity": 1.0}, wall_time=1e9)
     clock = [0.0]
 
     def doing(_: Progress, what: str) -> None:
@@ -768,9 +766,7 @@ def test_without_a_wall_time_what_is_known_after_two_minutes_of_work_is_the_answ
 ) -> None:
     """A page, its files and status 1; before the first steps are solved the time goes on."""
     monkeypatch.chdir(tmp_path)
-    contacts = {"thresholds": {"kind": "gaussian", "mean": 1.0, "std": 0.2}}
-    contacts["strengthening"] = {"beta": BETA, "time": 1e-3}
-    file = write(master=None, contacts=contacts, drive={"velocity": 1.0})
+    file = write(master=None, contacts=STRENGTHENED, drive={"velocity": 1.0})
     time_left = list[float]()
 
     def within(deadline: float, scene: Any, what: str, remaining: Any) -> Any:

@@ -2,7 +2,7 @@
 
 import time
 import tomllib
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from contextlib import suppress
 from dataclasses import replace
 from functools import partial
@@ -92,19 +92,7 @@ def verdict(
         if reading.contacts is not None:
             solved += 1
             progress(f"reading {solved} of {many}: {reading.name}")
-        # the scene's own reading is the answer, and gets half of the time; what it leaves is for the other readings and
-        # the area's contacts. It gets all where it is the only one and a law depends on time, or contacts wait and the
-        # scene gives a wall_time
-        waits = scene.wall_time is not None and bool(scene.contacts.waiting_time)
-        # it also gets all where it is the only one, contacts wait and steady sliding is stable: slips may end after
-        # hundreds of delays, along which all contacts are followed, if in time
-        machine = machine_of(table, scene.contacts)
-        slides = machine is not None and is_stable_with_delay(machine, scene.contacts)
-        waits |= bool(scene.contacts.waiting_time) and slides
-        alone = len(readings) == 1 and (bool(scene.contacts.held_in_time) or waits)
-        # the others in order, twice their share, as most leave a part of it to those after them
-        remaining_readings = len(readings) - number
-        part = budget.part(OWN if reading.own and not alone else 2.0 / (remaining_readings + 1))
+        part = budget.part(_share_of(number, readings, scene, table))
         deadline = time.monotonic() + budget.remaining()
         try:
             if reading.contacts is None:
@@ -149,6 +137,19 @@ def verdict(
         run_time=time.monotonic() - began,
         stopped=budget.stops.by,
     )
+
+
+def _share_of(number: int, readings: Sequence[Reading], scene: Scene, table: DriveTable) -> float:
+    """The part of the time that is left which a reading gets: the scene's own, which is the answer, OWN, and what it
+    leaves is for the others and the area's contacts; the others in order twice their share, as most leave a part of it
+    to those after them. The own one gets all where it is the only one and a law depends on time, or contacts wait and
+    the scene gives a wall_time, or steady sliding is stable: slips may end after hundreds of delays, along which all
+    contacts are followed, if in time."""
+    contacts, machine = scene.contacts, machine_of(table, scene.contacts)
+    slides = machine is not None and is_stable_with_delay(machine, contacts)
+    waits = bool(contacts.waiting_time) and (scene.wall_time is not None or slides)
+    alone = len(readings) == 1 and (bool(contacts.held_in_time) or waits)
+    return OWN if readings[number].own and not alone else 2.0 / (len(readings) - number + 1)
 
 
 def finite_sliders(
