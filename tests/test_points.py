@@ -453,6 +453,7 @@ def test_a_path_too_short_for_a_slip_is_no_smooth_sliding() -> None:
         "std = 0.1 length",
         "std = 0.2 length",
         "hollow, at no force: not decided whether it slips",
+        "no mark: no slip",
     }
     hollow = [line for line in axes.lines if line.get_markerfacecolor() == "none"]
     assert [[*line.get_xdata()] for line in hollow] == [[0.01], [0.01], []]
