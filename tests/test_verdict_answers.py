@@ -227,7 +227,7 @@ def test_each_number_of_a_slider_has_its_unit_in_verdict_json() -> None:
     assert found["first_forces"] == pytest.approx([7.0, 3.0])
     assert found["first_error"] == pytest.approx(0.1)
     assert (found["unstable_below"], found["damping"]) == pytest.approx((10.0, 100.0))
-    assert reading["units"]["damping"] == "N/m time"
+    assert reading["units"]["damping"] == "N s/m"
     none = plain(told(slips("reset")))["readings"][0]["behaviours"][0]
     assert none["swings"] is none["unstable_below"] is none["damping"] is None
 
