@@ -106,7 +106,7 @@ class Run:
         of_panels = OF_PANELS * tolerance * unit / cold.life.largest_stretch
         cold.of_panels = max(of_panels, LEAST_OF_PANELS)
         self.spring, self.unit, self.waits = spring, unit, contacts.waiting_time
-        self._mass = float(drive.mass or 0.0)
+        self._mass, self._damping = float(drive.mass or 0.0), float(drive.damping or 0.0)
         self.tolerance = tolerance
         self.balance = cold.force_of(contacts.start) / spring
         if abs(drive.path[0] - self.balance) <= AT_BALANCE * unit:
@@ -138,6 +138,21 @@ class Run:
         solved = np.isfinite(self.record.place)
         count = solved.size if solved.all() else int(np.argmin(solved))
         self.force = spring * (drive.path[:count] - self.record.place[:count])
+
+    @property
+    def caught_anywhere(self) -> bool:
+        """Whether contacts that broke in a slip come back while the slider still swings by more than a threshold, and
+        the run knows its place, the tolerance over K, to no threshold: where in its swing they catch it decides when
+        the next slip begins."""
+        inertia = self._mass * self.spring
+        if self.tolerance <= self.spring or self._damping**2 >= 4.0 * inertia or not inertia:
+            return False
+        slips = self.slips(0.0)
+        freely = np.maximum(self.waits - slips.duration, 0.0)
+        fades = np.exp(-0.5 * self._damping / self._mass * freely)
+        swing = np.abs(slips.top_speed) * (self._mass / self.spring) ** 0.5 * fades
+        back = slips.time + self.waits < self.record.times[self.force.size - 1]
+        return bool((back & (swing > self.unit)).any())
 
     def energy(self) -> Energy:
         """Energies at the points that were reached."""

@@ -45,6 +45,10 @@ LEAST_ERROR = 0.1
 # The same part for the share that holds, of which a panel's error is no part, as new contacts bear no force: of 40
 # random machines with a delay one was off by 0.43 of the run's tolerance.
 LEAST_OF_SHARE = 1.0
+# Times the errors of the load and of forces at slips where contacts catch a slider anywhere in its swing
+# (Run.caught_anywhere): the next slip begins at random then, and runs may agree by chance (of eight on a scan with a
+# delay of 1.4 s, any two differed by 4e-5 to 2.1e-3, whatever their tolerances).
+CAUGHT_SAFETY = 10.0
 # Smallest tolerance of a run, in mean thresholds: below it all is rounding.
 LEAST = 1e-11
 # Tolerance of exact thresholds beside others, where none smaller is asked for, and the factor on the error as their
@@ -106,10 +110,17 @@ class Runs(NamedTuple):
         return energy_errors(changes, ours, unseen, ways)
 
 
-def _errors(differ: Differences, allowed: float) -> Differences:
-    """Errors of a run of the tolerance `allowed` (mean thresholds), which differs from another by so much."""
+def _errors(best: Run, other: Run, earlier: Run | None, allowed: float) -> Differences:
+    """Errors of the run `best` by what it differs from another; see Run.differ. `allowed` : the tolerance of one of
+    them (mean thresholds)."""
     unseen, least = UNSEEN * allowed, LEAST_ERROR * allowed
+    differ = best.differ(other, earlier)
     errors = Differences(*(max(SAFETY * off + unseen, least) for off in differ))
+    if best.caught_anywhere:
+        by_chance = (CAUGHT_SAFETY - 1.0) * errors.force_and_load
+        errors = errors._replace(
+            force=errors.force + by_chance, force_and_load=errors.force_and_load + by_chance
+        )
     return errors._replace(holding=min(max(errors.holding, LEAST_OF_SHARE * allowed), 1.0))
 
 
@@ -139,19 +150,20 @@ def run_ever_finer(
         if best.stopped != UNRESOLVED or not parts:
             break
     coarser, stopped, parting = best, best.stopped, ""
-    errors = Differences(*(np.inf,) * len(Differences._fields))
+    errors, before_last = Differences(*(np.inf,) * len(Differences._fields)), np.inf
     for part in parts:
         of_swings = best.goes_on.force / unit if best.goes_on is not None else 0.0
         # what heat that is left out may change no run lessens
         room = sought - heat.error - beside_slips(best, drive, heat.effect).force / unit
         enough = errors.force + of_swings <= (room if room > 0.0 else sought)
-        if stopped or enough or part * sought < LEAST:
+        in_vain = best.caught_anywhere and errors.force_and_load > before_last
+        if stopped or enough or in_vain or part * sought < LEAST:
             break
         before, earlier, run = best, coarser, Run(contacts, drive, sought, part, until)
         nodes, stopped = nodes + run.nodes, run.stopped
         if not stopped:
-            best, coarser = run, before
-            errors = _errors(best.differ(before, earlier), part * sought)
+            best, coarser, before_last = run, before, errors.force_and_load
+            errors = _errors(best, before, earlier, part * sought)
             parting = run.parting(before, (sought - UNSEEN * part * sought) / SAFETY)
             progress(errors.force)
     if stopped and coarser is best and not best.stopped:
@@ -160,7 +172,7 @@ def run_ever_finer(
         run = Run(contacts, drive, sought, allowed / sought, until)
         nodes += run.nodes
         if not run.stopped:
-            coarser, errors = run, _errors(best.differ(run), allowed)
+            coarser, errors = run, _errors(best, run, None, allowed)
     factor = EXACT_SAFETY if mixed else 1.0
     errors = Differences(*(factor * error for error in errors))
     return Runs(best, coarser, errors, nodes, stopped, parting, factor)
