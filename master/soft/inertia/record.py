@@ -200,8 +200,8 @@ class Record:
         """The path has ended: so has a fall that has faded."""
         if self._fall is None:
             return
-        last = self._way_down[-1]
-        if self._faded(self._high or self._fall, last) is not None:
+        high, last = self._high or self._fall, self._way_down[-1]
+        if last.force != high.force and self._faded(high, last) is not None:
             self._begin_or_end_fall(last, self._limit, self._direction)
 
     def _faded(self, high: Instant, at: Instant) -> Instant | None:
