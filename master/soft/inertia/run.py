@@ -33,6 +33,8 @@ TINY = 1e-300
 # An error of a duration is told up to this part of it, and where two runs differ in it by no more than so many times
 # what their forces differ by, as a part of the fall: up to 5 times as a rule, hundreds of times in a slip that fades.
 OF_DURATION, FOLLOWS = 0.1, 30.0
+# Part of a swing to which the place of a slider says where in its swing it is.
+PHASE = 0.03
 # Two runs tell when a slip begins. The true time may be off by NEAR times what they differ by. As both may agree by
 # chance, it is taken to be off by what the run before differed by over FALL at least: tolerances fall by 5 each time.
 NEAR, FALL = 4.0, 5.0
@@ -141,18 +143,20 @@ class Run:
 
     @property
     def caught_anywhere(self) -> bool:
-        """Whether contacts that broke in a slip come back while the slider still swings by more than a threshold, and
-        the run knows its place, the tolerance over K, to no threshold: where in its swing they catch it decides when
-        the next slip begins."""
+        """Whether contacts that broke in a slip come back while the slider swings by more than a threshold, and the
+        run knows its place, to the tolerance over K, neither to one nor to PHASE of the swing: the next slip begins by
+        where in its swing they catch it."""
         inertia = self._mass * self.spring
-        if self.tolerance <= self.spring or self._damping**2 >= 4.0 * inertia or not inertia:
+        if self._damping**2 >= 4.0 * inertia or not inertia:
             return False
         slips = self.slips(0.0)
         freely = np.maximum(self.waits - slips.duration, 0.0)
         fades = np.exp(-0.5 * self._damping / self._mass * freely)
         swing = np.abs(slips.top_speed) * (self._mass / self.spring) ** 0.5 * fades
         back = slips.time + self.waits < self.record.times[self.force.size - 1]
-        return bool((back & (swing > self.unit)).any())
+        off = self.tolerance * self.unit / self.spring
+        anywhere = off > np.maximum(PHASE * swing, self.unit)
+        return bool((back & anywhere & (swing > self.unit)).any())
 
     def energy(self) -> Energy:
         """Energies at the points that were reached."""
