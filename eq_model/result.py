@@ -155,11 +155,11 @@ class CoupledResult(EnsembleResult):
 class HeavySlips(CoupledSlips):
     """Slips of a slider with mass; arrays of shape (m,).
 
-    What counts as one is said in origins/drive.py, for both solvers, and in docs/sliders-with-mass.md.
-
-    So contacts count that break while a heavy slider still gathers speed, and swings that follow before the slider
-    sticks again, as when it swings back, belong to the same slip. A slider that sticks may ring, and no contact breaks.
-    Smaller falls, where the force of few contacts varies by chance, are not told as slips.
+    A slip is a swing down of the spring's force from where the slider last stuck: origins/drive.py says what counts as
+    one, for both solvers, and docs/sliders-with-mass.md. Contacts that break while a heavy slider still gathers speed
+    count, and swings that follow before it sticks again, as when it swings back, belong to the same slip. A slider
+    that sticks may ring, and no contact breaks. Smaller falls, where the force of few contacts varies by chance, are
+    not told as slips.
 
     Fields as in CoupledSlips, `drive`, X_T, as the slip begins, `force_before` and `force_after` of the spring, and
 

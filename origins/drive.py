@@ -28,7 +28,8 @@ ROOM = 2.0
 # A slider that stuck and swings freely beyond the drive gets twice as fast as this.
 FASTER = 1.5
 # Share of a swing below which a second minimum does not count as lower: a slider that no contact holds comes close to
-# the force of its damping again and again, and the swing has ended where it first does.
+# the force of its damping again and again, and the swing has ended where it first does. In the master equation also the
+# share of a fall that is left where one ends that only comes close to its end.
 LOWER = 1e-3
 # Fewest breaks in a slip, per contact that held before: below it some weak contacts break, and the others hold.
 SLIP_FRACTION = 0.2

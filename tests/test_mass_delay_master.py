@@ -911,7 +911,8 @@ def test_exact_thresholds_stiffer_springs_and_oscillations_leave_no_delay_out(
 
 @pytest.mark.slow
 def test_two_runs_that_agree_by_chance_do_not_make_a_claim() -> None:
-    """Off by 1.6e-3 after a slip, and 1.1e-3 was claimed, as contacts catch the slider anywhere in its swing."""
+    """They were off by 1.6e-3 after a slip, with 1.1e-3 claimed: contacts catch the slider anywhere in its swing, and
+    finer runs are followed now."""
     path = np.array([28.932234317247378, 103.39099688535953, 123.67719263207852, 166.3362351500406])
     machine = {"spring": 0.0043288144694508437, "mass": 2.2362025230066336}
     machine |= {"damping": 0.0012023328240663566, "velocity": 0.027953588321714126}
@@ -920,7 +921,7 @@ def test_two_runs_that_agree_by_chance_do_not_make_a_claim() -> None:
     fine = [0.124696, 0.445252, 0.532161, 0.563634]  # by a tolerance of 1e-3, to 4.6e-4
     assert coarse.success
     off = np.abs(coarse.force - fine).max() / contacts.mean_threshold
-    assert off < coarse.force_error
+    assert off < coarse.force_error < 8.9e-3
 
 
 @pytest.mark.slow

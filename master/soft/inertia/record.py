@@ -17,7 +17,7 @@ ANY = 1e-6
 FADES = 0.25
 # Part of LOWER by which the force changes from one instant that is kept to the next.
 NEXT = 0.25
-# Share of a fall in place of 0.
+# Share of a fall in place of 0, whose logarithm is taken.
 TINY = 1e-30
 
 
@@ -192,7 +192,7 @@ class Record:
                 self._top_speed = max(self._top_speed, _peak(seen.speeds, k))
                 high, force = self._high or self._fall, float(seen.forces[k])
                 change = abs(force - self._way_down[-1].force)
-                ends = t >= (1.0 - 1e-12) * self._path_end
+                ends = t >= (1.0 - 1e-12) * self._path_end  # but for the rounding of times
                 if ends or change > NEXT * LOWER * abs(high.force - force):
                     self._way_down.append(seen.at(t))
 
