@@ -241,7 +241,7 @@ QUESTIONS = {
         "toolkit/verdict/files.py:plain",
     ),
     "now and then, and ever rarer: of the area's contacts; along the way": (
-        "toolkit/verdict/sliders/finite.py:_judged",
+        "toolkit/verdict/sliders/judged.py:judged",
         "toolkit:in_the_end",
     ),
     "the error of a slip's place, drive_error: at T = 0; in time; with mass; with mass in time": (

@@ -12,9 +12,8 @@ import master
 from origins import Contacts, Delay, InputError, Thermal, gaussian
 from tests.verdicts import MACHINE, RESET, STATED, infinite, judged
 from toolkit.verdict.of_area import tells_instead, with_more
-from toolkit.verdict.sliders.alike import told_by_another_rule
 from toolkit.verdict.sliders.budget import OF_MOST, most_breaks, seconds_of
-from toolkit.verdict.sliders.finite import follow_finite
+from toolkit.verdict.sliders.finite import follow_finite, told_by_another_rule
 from toolkit.verdict.sliders.machine import Machine
 from toolkit.verdict.sliders.records import Behaviour, Finite
 

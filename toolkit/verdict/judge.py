@@ -23,7 +23,6 @@ from toolkit.scene.tables import DriveTable
 from toolkit.verdict.answers import UNKNOWN, Answer, Quantity, Verdict, kinetic_of
 from toolkit.verdict.of_area import tells_instead, with_finite
 from toolkit.verdict.readings import Reading, acting, readings_of, rules_of
-from toolkit.verdict.sliders.alike import told_by_another_rule
 from toolkit.verdict.sliders.budget import (
     INTERRUPTED,
     NO_FORCES,
@@ -35,7 +34,7 @@ from toolkit.verdict.sliders.budget import (
     lacks_damping,
     part_of_sliders,
 )
-from toolkit.verdict.sliders.finite import follow_finite
+from toolkit.verdict.sliders.finite import follow_finite, told_by_another_rule
 from toolkit.verdict.sliders.follow import TOLERANCE_IN_TIME, WHETHER_IT_SLIPS
 from toolkit.verdict.sliders.islands import follow_contacts, with_barriers
 from toolkit.verdict.sliders.machine import RULES, Machine, machine_of, rigid_slider

@@ -6,8 +6,9 @@ In reading order: `machine.py`, a slider's machine; `records.py`, what one telle
 `slips_in_time.py`, slips with a duration; `steady.py` and `forgetting.py`, when sliding is steady and what a slip
 leaves of the past; `in_heat.py` and `weak_heat.py`, sliders in heat for which there are no steps in time;
 `ensemble.py`, sliders of some contacts, whose number the time decides, beginning with a pilot of a thousand;
-`late.py`, their late slips; `few_contacts.py`, what fewer contacts than there are change; `alike.py`, rules that need
-not be followed again; `plans.py`, how far the drive of finitely many contacts goes and how often they break on the
-way; `finite.py`, how many of those of the area four sliders have, and what these do; `islands.py`, the numbers to
-begin with for islands; and `budget.py`, times and numbers of breaks that all of these keep to.
+`late.py`, their late slips; `by_contacts.py`, what they tell, and what fewer contacts than there are change;
+`plans.py`, how far the drive of finitely many contacts goes and how often they break on the way; `finite.py`, how many
+of those of the area four sliders have, and rules under which these do the same; `judged.py`, what they do;
+`islands.py`, the numbers to begin with for islands; and `budget.py`, times and numbers of breaks that all of these keep
+to.
 """

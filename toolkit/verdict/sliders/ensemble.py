@@ -10,24 +10,18 @@ from origins.contacts import Contacts
 from origins.errors import InputError
 from origins.thresholds.law import Array
 from toolkit.processes.ranks import cores_of
-from toolkit.results.sliding import has_slid, mean_forces, scatter_of
-from toolkit.results.slips import late_slips, left_of_slips, shrinks_by, with_main_slips
+from toolkit.results.sliding import has_slid
+from toolkit.results.slips import late_slips, with_main_slips
 from toolkit.results.traces import trace_of
 from toolkit.scene.scale import told_contacts
 from toolkit.verdict.sliders.budget import MORE_TIME, SHORT, most_breaks, seconds_of, too_long
-from toolkit.verdict.sliders.few_contacts import period_off, too_early_by
-from toolkit.verdict.sliders.late import (
-    SLIDERS,
-    in_the_end,
-    may_slip_again,
-    shrinking,
-    with_late_slips,
-)
+from toolkit.verdict.sliders.by_contacts import that_slide, that_slip, too_early_by
+from toolkit.verdict.sliders.late import SLIDERS, may_slip_again
 from toolkit.verdict.sliders.machine import POINTS, Machine, RigidSlider
-from toolkit.verdict.sliders.records import Behaviour, Finite, not_followed
+from toolkit.verdict.sliders.records import Behaviour, not_followed
 from toolkit.verdict.sliders.slips_in_time import slips_in_time
 from toolkit.verdict.sliders.steady import is_stable_with_delay
-from toolkit.verdict.sliders.ways import SMALL, first_way, way_of_a_swing, way_without_contacts
+from toolkit.verdict.sliders.ways import first_way, way_without_contacts
 
 # contacts of each slider where the ensemble takes the place of the master equation
 CONTACTS, SEED = 20_000, 1
@@ -37,13 +31,6 @@ MOST_CONTACTS = 2_000_000
 PILOT = 1_000
 # part of the time in which so many contacts have to be followed, and how many times fewer are followed in the rest
 PART_OF_FIRST, FEWER = 0.6, 16
-# of the force: swings that are larger are told by their ends, and are no error of it
-SWUNG = 0.05
-# of a slider that is called smooth: at the end of its path, in the last one of so many parts, its force swings by no
-# more than so many mean thresholds (that of a thousand contacts scatters by some 0.1 of them)
-LATE, RINGS = 10, 2.0 * SMALL
-# times the error of fewer contacts than there are, below which their slips may be chance, and more of them slide
-SURE = 2.0
 # Where slips are still those of a transient: how often at most the sliders are pulled further, and how many times as
 # far each time; the second numbers hold where steady sliding is stable, as slips may end after hundreds of delays then.
 ROUNDS, AS_FAR = (5, 3), (2, 4)
@@ -186,83 +173,30 @@ def follow_by_contacts(
     found = until_settled(found, machine, contacts, rule, until, waits)
     if machine.points(np.ptp(found.path)) >= path.size:  # else few points would draw slower swings
         drive, force = trace_of(found, 0, machine.velocity)
-    of_main, unit, number = (
-        with_main_slips(found),
-        contacts.mean_threshold,
-        found.contacts // SLIDERS,
-    )
-    main = of_main.slips
-    common = int(np.bincount(main.replica, minlength=SLIDERS).min())
+    of_main, number = with_main_slips(found), found.contacts // SLIDERS
+    common = int(np.bincount(of_main.slips.replica, minlength=SLIDERS).min())
     goes_on = may_slip_again(of_main, machine, contacts, waits)
     if goes_on and common < 2:
         return not_followed(rule, ONCE)
-    slipped = common > 1 and goes_on
-    kind, many, too_early, swings = "stick-slip" if slipped else "smooth", None, 0.0, None
-    if slipped:
-        smaller = found.slips.drive.size - main.drive.size
-        many = Finite(rule, number, kind, drive=drive, force=force, smaller=smaller)
-        many = with_late_slips(many, main)
-        before, after, error = many.before, many.after, many.force_error
-    if slipped and number < (round(rigid.contacts) if rigid.contacts else np.inf):
-        few = _fewer(machine, contacts, rule, path, until) if number > PILOT else None
-        error += (too_early := too_early_by(of_main, few or of_main, unit))
-        if before - after < SURE * error:
-            return not_followed(rule, f"{told_contacts(number)} slip, perhaps as they are so few")
-    if not common and not has_slid(found, unit):
+    if not common and not has_slid(found, contacts.mean_threshold):
         return not_followed(rule, NOT_SLID)
-    # at least the drive's way in which contacts that broke together come back: they do so ever less together
-    length, swing_way = found.path[-1] - found.path[0], way_of_a_swing(machine, contacts)
-    late = found.path >= found.path[-1] - max(length / LATE, waits, swing_way)
-    forces = found.forces[:, late]
-    if not slipped and (swing := float(np.ptp(forces, axis=1).max()) / unit) > RINGS:
-        return not_followed(rule, f"its sliders still ring at the path's end, by {swing:.2g} <x_s>")
-    shrinks = shrinks_by(main, SLIDERS)
-    if many:
-        many = in_the_end(many, of_main, machine, contacts)
-        kind = "undecided" if many.kind == "unknown" else many.kind
-    if kind == "undecided":
-        last = [main.mean(f"force_{when}", common - 1) for when in ("before", "after")]
-        before, error, after = last[0][0], last[0][1] + too_early, last[1][0]
-    if not slipped:
-        each = mean_forces(found, late)
-        before = after = float(each.mean())
-        scatter = float(each.std(ddof=1)) / SLIDERS**0.5
-        error = scatter + 0.5 * float(np.ptp(forces.mean(axis=0)))
-        # which contacts that come back together hold for less than from one point to the next
-        error += left_of_slips(found, main, shrinks)
-        steady = rigid.kinetic + machine.damping * machine.velocity
-        known = max(
-            error, 0.5 * float(np.ptp(forces)) if swing_way else 0.0
-        )  # it swings about that
-        if rule == "mass" and abs(before - steady) <= known:
-            before = after = steady
-        if error - scatter > max(scatter, SWUNG * abs(before)):
-            swings = float(forces.min()), float(forces.max())
-        seen = main.drive.size / SLIDERS
-        many = Finite(rule, number, "smooth", slips=seen, fluctuation=scatter_of(forces))
-    period_error = 0.0
-    if many and many.period:
-        period_error = many.period_error + period_off(too_early, machine.spring)
-    return Behaviour(
-        rule=rule,
-        kind=kind,
-        before=before,
-        after=after,
-        period=many.period if many else None,
-        period_error=period_error,
-        slips=common,
-        error=float(error / unit),
-        success=True,
-        message=by_sliders(number) + (shrinking(many) if kind == "stick-slip" and many else ""),
-        contacts=number,
-        shrinks_by=shrinks if kind != "stick-slip" else 0.0,
-        finite=many,
-        swings=swings,
+    told = Behaviour(
+        *(rule, "smooth", np.nan, np.nan, None, common, np.nan, True),
+        message=by_sliders(number),
         run_time=found.run_time,
+        contacts=number,
         drive=drive,
         force=force,
-        in_time=slips_in_time(main),
+        in_time=slips_in_time(of_main.slips),
     )
+    if common < 2 or not goes_on:
+        return that_slide(told, of_main, machine, contacts, rigid)
+    too_early = 0.0
+    if number < (round(rigid.contacts) if rigid.contacts else np.inf):
+        few = _fewer(machine, contacts, rule, path, until) if number > PILOT else None
+        too_early = too_early_by(of_main, few or of_main, contacts.mean_threshold)
+    smaller = found.slips.drive.size - of_main.slips.drive.size
+    return that_slip(told, of_main, machine, contacts, smaller, too_early)
 
 
 def by_sliders(number: int, heat: float | None = None) -> str:

@@ -18,11 +18,8 @@ from toolkit.verdict.sliders.budget import (
     may_follow,
     without_useless_damping,
 )
-from toolkit.verdict.sliders.ensemble import (
-    SWUNG,
-    follow_by_contacts,
-    without_heat,
-)
+from toolkit.verdict.sliders.by_contacts import SWUNG
+from toolkit.verdict.sliders.ensemble import follow_by_contacts, without_heat
 from toolkit.verdict.sliders.forgetting import after_forgetting, forgets_its_start
 from toolkit.verdict.sliders.in_heat import SLIDES, by_steady_sliding, with_stability
 from toolkit.verdict.sliders.machine import Machine, RigidSlider, critical_damping
