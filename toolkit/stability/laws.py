@@ -2,6 +2,7 @@
 
 import math
 from functools import partial
+from typing import Any
 
 import numpy as np
 
@@ -17,16 +18,8 @@ BOLTZMANN = 1.380649e-23  # J/K
 
 
 def cases() -> list[Case | Question]:
-    return [
-        *heat(),
-        *eyring(),
-        *room(),
-        *ageing(),
-        *strengthening(),
-        *delays(),
-        *reforming(),
-        *grains(),
-    ]
+    groups = heat, eyring, room, ageing, strengthening, delays, reforming, grains
+    return [case for group in groups for case in group()]
 
 
 def warm(law: str, temperature: float, attempts: float = 1.0) -> Contacts:
@@ -47,15 +40,8 @@ def heat() -> list[Case | Question]:
             Case(group, f"{law}, T = 1e9", partial(warm, law, 1e9, 2.0), LATE, boiling),
         ]
     for power in (3, 6, 12):
-        found.append(
-            Case(
-                group,
-                f"ω<x_s>/v = 1e{power}, T = 0.02",
-                partial(warm, "soft", 0.02, 10.0**power),
-                FORWARD,
-                n_contacts=20_000,
-            )
-        )
+        name, contacts = f"ω<x_s>/v = 1e{power}, T = 0.02", partial(warm, "soft", 0.02, 10.0**power)
+        found.append(Case(group, name, contacts, FORWARD, n_contacts=20_000))
     return found
 
 
@@ -122,48 +108,30 @@ def strengthening() -> list[Case | Question]:
         ),
     ]
     for beta, speed in ((0.05, 1e-30), (1.0, 1e-9), (1.0, 1.0), (0.05, 1e30)):
-        grown = contacts(beta, 1.0)
-        found.append(
-            Question(
-                group,
-                f"β = {beta:g}, v τ_0 = {speed:g}: F_k",
-                "steady_state",
-                partial(kinetic, grown, speed),
-                partial(truths.grown, PEAK, beta, speed),
-            )
-        )
+        name, ask = f"β = {beta:g}, v τ_0 = {speed:g}: F_k", partial(kinetic, contacts(beta, 1.0))
+        truth = partial(truths.grown, PEAK, beta, speed)
+        found.append(Question(group, name, "steady_state", partial(ask, speed), truth))
     return found
 
 
 def room() -> list[Case | Question]:
     """Contacts of real size at 300 K, attempts at 1e12/s, 1 µm/s: k <x_s>² of 2e11 and of 24 k_BT."""
 
-    def contacts(length: float, stiffness: float) -> Contacts:
-        law, warmth = origins.gaussian(length, 0.1 * length), BOLTZMANN * 300.0 / stiffness
-        return Contacts(law, thermal=origins.Thermal("soft", warmth, 1e12))
+    def case(name: str, length: float, stiffness: float, truth: Any, n_contacts: int) -> Case:
+        def contacts() -> Contacts:
+            law, warmth = origins.gaussian(length, 0.1 * length), BOLTZMANN * 300.0 / stiffness
+            return Contacts(law, thermal=origins.Thermal("soft", warmth, 1e12))
 
-    group, drive = "300 K in SI units", {"velocity": 1e-6}
+        group, drive = "300 K in SI units", {"velocity": 1e-6}
+        return Case(
+            group, name, contacts, FORWARD, truth, drive, tolerance=1e-5, n_contacts=n_contacts
+        )
+
     # attempts break contacts where their barrier is ln(ω x_s/v) = 28 k_BT: 1e-9 of a threshold earlier
     unmoved = truths.without_laws(1e-6, "T = 0, in closed form")
     return [
-        Case(
-            group,
-            "contacts of a micrometre, 1e3 N/m each",
-            lambda: contacts(1e-6, 1e3),
-            FORWARD,
-            unmoved,
-            drive,
-            tolerance=1e-5,
-        ),
-        Case(
-            group,
-            "contacts of a nanometre, 0.1 N/m each",
-            lambda: contacts(1e-9, 0.1),
-            FORWARD,
-            drive=drive,
-            tolerance=1e-5,
-            n_contacts=20_000,
-        ),
+        case("contacts of a micrometre, 1e3 N/m each", 1e-6, 1e3, unmoved, 100_000),
+        case("contacts of a nanometre, 0.1 N/m each", 1e-9, 0.1, None, 20_000),
     ]
 
 
@@ -174,19 +142,11 @@ def ageing() -> list[Case | Question]:
     # thresholds move by (2 D t)^(1/2) = 1e-4 in a life
     unaged = truths.without_laws(1e-3, "without ageing, to 1e-3")
     for rate in (1e-8, 1e-4, 1e-2, 1.0, 1e4):
-        found.append(
-            Case(
-                group,
-                f"D = {rate:g}",
-                partial(Contacts, young, ageing=origins.Ageing(old, rate)),
-                FORWARD[:6],
-                unaged if rate == 1e-8 else None,
-                tolerance=1e-4,
-                n_contacts=2_000
-                if rate < 1e3
-                else 20,  # each breaks and forms many times a threshold
-            )
-        )
+        contacts = partial(Contacts, young, ageing=origins.Ageing(old, rate))
+        truth = unaged if rate == 1e-8 else None
+        many = 2_000 if rate < 1e3 else 20  # each breaks and forms many times a threshold
+        name, path = f"D = {rate:g}", FORWARD[:6]
+        found.append(Case(group, name, contacts, path, truth, tolerance=1e-4, n_contacts=many))
     return found
 
 
@@ -194,21 +154,12 @@ def delays() -> list[Case | Question]:
     """Contacts that wait for 1e-9 to 100 <x_s> of the way before they form again."""
     group, found = "delay", list[Case | Question]()
     for delay in (1e-9, 1e-3, 1.0, 100.0):
-        contacts = Contacts(PEAK, delay=origins.Delay(delay))
+        waiting = Contacts(PEAK, delay=origins.Delay(delay))
+        contacts, truth = partial(Contacts, PEAK, delay=origins.Delay(delay)), truths.waiting(delay)
+        ask, truth_of = partial(kinetic, waiting), partial(truth, waiting, np.zeros(1))
         found += [
-            Case(
-                group,
-                f"of {delay:g}, the first breaks",
-                partial(Contacts, PEAK, delay=origins.Delay(delay)),
-                FORWARD,
-            ),
-            Question(
-                group,
-                f"of {delay:g}: F_k",
-                "steady_state",
-                partial(kinetic, contacts),
-                partial(truths.waiting(delay), contacts, np.zeros(1)),
-            ),
+            Case(group, f"of {delay:g}, the first breaks", contacts, FORWARD),
+            Question(group, f"of {delay:g}: F_k", "steady_state", ask, truth_of),
         ]
     return found
 
@@ -235,17 +186,10 @@ def grains() -> list[Case | Question]:
     """Grains that grow as contacts slide, slowly and fast, from half as old again as those that just pin."""
     group, found = "growing grains", list[Case | Question]()
     for alpha in (0.1, 1.0):
-        first = (2.0 / (3.0 * alpha)) ** 3
-        found.append(
-            Case(
-                group,
-                f"alpha = {alpha:g}",
-                partial(Contacts, origins.growing_grains(alpha=alpha, B=1.0, age=1.5 * first)),
-                FORWARD[:8],
-                tolerance=1e-5,
-                n_contacts=20_000,
-            )
-        )
+        age = 1.5 * (2.0 / (3.0 * alpha)) ** 3
+        contacts = partial(Contacts, origins.growing_grains(alpha=alpha, B=1.0, age=age))
+        name, path = f"alpha = {alpha:g}", FORWARD[:8]
+        found.append(Case(group, name, contacts, path, tolerance=1e-5, n_contacts=20_000))
     return found
 
 

@@ -34,38 +34,26 @@ def cases() -> list[Case | Question]:
 def springs() -> list[Case | Question]:
     """K from 1e-9 to 1e9 N<k>, and a millionth on either side of K*, which may be infinite."""
     group, contacts = "springs", Contacts(NARROW)
-    found: list[Case | Question] = [
-        Question(
-            group, "K*", "propensity", lambda: critical(contacts), lambda: truths.critical(NARROW)
-        ),
-        Question(
-            group,
-            "K* of one exact value",
-            "propensity",
-            lambda: critical(Contacts(origins.identical(1.0))),
-            lambda: Truth(np.inf, 0.0, "infinite, as all contacts break at one place"),
-        ),
-        Question(
-            group,
-            "K* of a density that diverges",
-            "propensity",
-            lambda: critical(Contacts(scipy.stats.beta(0.5, 0.5)), 1e-3),
-            lambda: Truth(np.inf, 0.0, "infinite, as x P_c(x) is"),
-        ),
-    ]
-    for side in (-1e-6, 1e-6):
-        stiffness = (1.0 + side) * truths.critical(NARROW).values
-        found.append(
-            Question(
-                group,
-                f"K = K* (1 {'+' if side > 0.0 else '-'} 1e-6): does it slip?",
-                "master",
-                partial(does_it_slip, contacts, stiffness),
-                partial(
-                    Truth, float(side < 0.0), 0.0, "below K* alone F falls faster than the spring"
-                ),
-            )
+
+    def k_star(name: str, contacts: Contacts, tolerance: float, truth: Truth) -> Question:
+        return Question(
+            group, name, "propensity", lambda: critical(contacts, tolerance), lambda: truth
         )
+
+    known, exact = truths.critical(NARROW), Contacts(origins.identical(1.0))
+    at_once = Truth(np.inf, 0.0, "infinite, as all contacts break at one place")
+    pole = Truth(np.inf, 0.0, "infinite, as x P_c(x) is")
+    found: list[Case | Question] = [
+        k_star("K*", contacts, 1e-8, known),
+        k_star("K* of one exact value", exact, 1e-8, at_once),
+        k_star("K* of a density that diverges", Contacts(scipy.stats.beta(0.5, 0.5)), 1e-3, pole),
+    ]
+    why = "below K* alone F falls faster than the spring"
+    for side in (-1e-6, 1e-6):
+        name = f"K = K* (1 {'+' if side > 0.0 else '-'} 1e-6): does it slip?"
+        ask = partial(does_it_slip, contacts, (1.0 + side) * known.values)
+        truth = partial(Truth, float(side < 0.0), 0.0, why)
+        found.append(Question(group, name, "master", ask, truth))
     # a stiff spring takes the slider along with the drive, but for F/K
     rigid = truths.without_laws(1e-7, "the rigid slider, in closed form")
     for rule in get_args(SlipRule):
@@ -132,7 +120,7 @@ def _late(contacts: Contacts) -> Truth:
 
 def masses() -> list[Case | Question]:
     """Masses and damping from almost none to all but immovable, up to the first break; and a slip of a soft slider."""
-    group, found = "mass", list[Case | Question]()
+    group, narrow, found = "mass", partial(Contacts, NARROW), list[Case | Question]()
     for spring, mass, damping in (
         (1e-3, 1e-6, 0.0),
         (1e-3, 1.0, 1.0),
@@ -145,17 +133,9 @@ def masses() -> list[Case | Question]:
         truth = partial(truths.before_breaks, spring, mass, damping)
         if mass > 1e6:  # the drive runs away from the slider
             path = np.linspace(0.1, 0.6, 7)
-        found.append(
-            Case(
-                group,
-                f"K = {spring:g}, M = {mass:g}, γ = {damping:g}",
-                lambda: Contacts(NARROW),
-                path,
-                truth,
-                {"spring": spring, "mass": mass, "damping": damping},
-                n_contacts=1_000,
-            )
-        )
+        name = f"K = {spring:g}, M = {mass:g}, γ = {damping:g}"
+        drive = {"spring": spring, "mass": mass, "damping": damping}
+        found.append(Case(group, name, narrow, path, truth, drive, n_contacts=1_000))
     return found
 
 
@@ -163,25 +143,12 @@ def motions() -> list[Case | Question]:
     """A million periods, ten thousand turns, a long rest."""
     long, turns = "long paths", "turns and rests"
     swing, breaking = np.tile([0.4, -0.4], 5_000), np.tile([2.0, -2.0], 5_000)
+    narrow, wide = partial(Contacts, NARROW), partial(Contacts, WIDE)
     return [
-        Case(
-            long,
-            "1e6 periods",
-            lambda: Contacts(NARROW),
-            [0.5, 1e6],
-            truths.steady_at_last,
-            n_contacts=100,
-        ),
-        Case(long, "1e4 periods", lambda: Contacts(WIDE), [0.5, 1e4], n_contacts=1_000),
-        Case(
-            turns,
-            "1e4 turns, no break",
-            lambda: Contacts(NARROW),
-            swing,
-            truths.no_break,
-            n_contacts=1_000,
-        ),
-        Case(turns, "1e4 turns with breaks", lambda: Contacts(WIDE), breaking, n_contacts=2_000),
+        Case(long, "1e6 periods", narrow, [0.5, 1e6], truths.steady_at_last, n_contacts=100),
+        Case(long, "1e4 periods", wide, [0.5, 1e4], n_contacts=1_000),
+        Case(turns, "1e4 turns, no break", narrow, swing, truths.no_break, n_contacts=1_000),
+        Case(turns, "1e4 turns with breaks", wide, breaking, n_contacts=2_000),
         rest(),
     ]
 
@@ -209,15 +176,10 @@ def numbers() -> list[Case | Question]:
     """One contact, and a thousand million."""
     group, contacts = "numbers of contacts", Contacts(NARROW)
     by_hand = Truth(np.array([0.3, 0.999, 0.001, 0.25]), 1e-13, "by hand")
+    of_many = partial(truths.gaussian, contacts, BEFORE)
     return [
         Question(group, "one", "ensemble", one_contact, lambda: by_hand),
-        Question(
-            group,
-            "1e9",
-            "ensemble",
-            lambda: crowd(contacts),
-            lambda: truths.gaussian(contacts, BEFORE),
-        ),
+        Question(group, "1e9", "ensemble", partial(crowd, contacts), of_many),
     ]
 
 

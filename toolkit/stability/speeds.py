@@ -20,18 +20,8 @@ def speeds() -> list[Case | Question]:
     for speed in (1e-30, 1e-6, 1e6, 1e30):
         # a contact attempts 1/v times in its life
         fast = truths.without_laws(2.0 / speed, "T = 0, in closed form") if speed > 1.0 else None
-        drive = {"velocity": speed}
-        found.append(
-            Case(
-                group,
-                f"v = {speed:g}",
-                lambda: warm("soft", 0.05),
-                FORWARD,
-                fast,
-                drive,
-                n_contacts=20_000,
-            )
-        )
+        name, drive, contacts = f"v = {speed:g}", {"velocity": speed}, partial(warm, "soft", 0.05)
+        found.append(Case(group, name, contacts, FORWARD, fast, drive, n_contacts=20_000))
     return found
 
 
@@ -39,26 +29,12 @@ def rate_and_state() -> list[Case | Question]:
     """a - b of thresholds that grow with the age, where lives are 1e9 τ_0 long and as short."""
     group, found = "rate and state", list[Case | Question]()
     for speed in (1e-9, 1e9):
-        grown = Contacts(origins.strengthening(PEAK, 0.05, 1.0))
-        found.append(
-            Question(
-                group,
-                f"β = 0.05, v τ_0 = {speed:g}: a - b",
-                "rate_state",
-                partial(slope, grown, speed),
-                partial(truths.slope_of_grown, PEAK, 0.05, speed),
-            )
-        )
-    found.append(
-        Question(
-            group,
-            "no law in time",
-            "rate_state",
-            partial(slope, Contacts(PEAK), 1.0),
-            lambda: Truth(0.0, 0.0, "F at T = 0 does not hang on the speed"),
-        )
-    )
-    return found
+        name, grown = f"β = 0.05, v τ_0 = {speed:g}: a - b", origins.strengthening(PEAK, 0.05, 1.0)
+        ask, truth = partial(slope, Contacts(grown), speed), partial(truths.slope_of_grown, PEAK)
+        found.append(Question(group, name, "rate_state", ask, partial(truth, 0.05, speed)))
+    still = partial(Truth, 0.0, 0.0, "F at T = 0 does not hang on the speed")
+    ask = partial(slope, Contacts(PEAK), 1.0)
+    return [*found, Question(group, "no law in time", "rate_state", ask, still)]
 
 
 def slope(contacts: Contacts, velocity: float) -> CaseAnswer:

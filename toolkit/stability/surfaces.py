@@ -9,13 +9,14 @@ import numpy as np
 
 import origins
 from origins.contacts import Contacts
+from origins.thresholds.law import Array
 from toolkit.stability import truths
 from toolkit.stability.case import Case, CaseAnswer, Question, Truth
 from toolkit.stability.thresholds import BETWEEN, FORWARD
 
-POLYMER = origins.Material(
-    contact_modulus=1.75e9, shear_modulus=1.1e9, local_friction=0.4
-)  # Pa, Pa
+# moduli in Pa
+POLYMER = origins.Material(contact_modulus=1.75e9, shear_modulus=1.1e9, local_friction=0.4)
+MakeLaw = Callable[[], origins.Thresholds]
 
 
 def cases() -> list[Case | Question]:
@@ -26,68 +27,42 @@ def edges() -> list[Case | Question]:
     """Origins at the ends of their range."""
     group = "ends of the origins"
 
-    def mean(law: origins.Thresholds) -> CaseAnswer:
-        return CaseAnswer(law.mean(), 1e-8 * law.mean())
+    above, normal = "grains a millionth above the pinning edge", "Persson, centre/width = 1e-3"
 
+    def just_above() -> origins.Thresholds:
+        return origins.grains(2.0 / 3.0 * (1.0 + 1e-6), B=1.0)
+
+    def narrow() -> origins.Thresholds:
+        return origins.persson(1e-3, 1.0)
+
+    def mean(name: str, origin: str, law: MakeLaw, exact: Truth) -> Question:
+        def ask() -> CaseAnswer:
+            return CaseAnswer(law().mean(), 1e-8 * law().mean())
+
+        return Question(group, f"{name}: <x_s>", origin, ask, lambda: exact)
+
+    def case(name: str, law: MakeLaw, path: Array = FORWARD, truth: Any = None) -> Case:
+        return Case(group, name, lambda: Contacts(law()), path, truth)
+
+    first_order = Truth(math.sqrt(math.pi / 2.0) * 1e-6, 2e-12, "first order above the edge")
     return [
-        Question(
-            group,
-            "grains a millionth above the pinning edge: <x_s>",
-            "grains",
-            lambda: mean(origins.grains(2.0 / 3.0 * (1.0 + 1e-6), B=1.0)),
-            lambda: Truth(math.sqrt(math.pi / 2.0) * 1e-6, 2e-12, "first order above the edge"),
-        ),
-        Case(
-            group,
-            "grains a millionth above the pinning edge",
-            lambda: Contacts(origins.grains(2.0 / 3.0 * (1.0 + 1e-6), B=1.0)),
-            FORWARD,
-        ),
-        Case(
-            group,
-            "grains at the pinning edge",
-            lambda: Contacts(origins.grains(2.0 / 3.0, B=1.0)),
-            FORWARD,
-        ),
-        Question(
-            group,
-            "Persson, centre/width = 1e-3: <x_s>",
-            "persson",
-            lambda: mean(origins.persson(1e-3, 1.0)),
-            lambda: Truth(math.gamma(1.25), 1e-6, "a Weibull law of shape 4"),
-        ),
-        Case(
-            group,
-            "Persson, centre/width = 1e-3",
-            lambda: Contacts(origins.persson(1e-3, 1.0)),
-            FORWARD,
-        ),
-        Case(
-            group,
+        mean(above, "grains", just_above, first_order),
+        case(above, just_above),
+        case("grains at the pinning edge", lambda: origins.grains(2.0 / 3.0, B=1.0)),
+        mean(normal, "persson", narrow, Truth(math.gamma(1.25), 1e-6, "a Weibull law of shape 4")),
+        case(normal, narrow),
+        # normal to the first order of width/centre, whose square is the rest
+        case(
             "Persson, centre/width = 100",
-            lambda: Contacts(origins.persson(100.0, 1.0)),
+            lambda: origins.persson(100.0, 1.0),
             BETWEEN,
-            # normal to the first order of width/centre, whose square is the rest
             nearly_normal,
         ),
-        Case(
-            group,
-            "Persson, centre/width = 1e9",
-            lambda: Contacts(origins.persson(1e9, 1.0)),
-            FORWARD,
+        case("Persson, centre/width = 1e9", lambda: origins.persson(1e9, 1.0)),
+        case(
+            "summits almost out of reach, h_0 = 40 sigma_h", lambda: origins.gw_gaussian(40.0, 1.0)
         ),
-        Case(
-            group,
-            "summits almost out of reach, h_0 = 40 sigma_h",
-            lambda: Contacts(origins.gw_gaussian(40.0, 1.0)),
-            FORWARD,
-        ),
-        Case(
-            group,
-            "summits pressed in, h_0 = -3 sigma_h",
-            lambda: Contacts(origins.gw_gaussian(-3.0, 1.0)),
-            FORWARD,
-        ),
+        case("summits pressed in, h_0 = -3 sigma_h", lambda: origins.gw_gaussian(-3.0, 1.0)),
     ]
 
 
@@ -101,6 +76,10 @@ def islands() -> list[Case | Question]:
         island = origins.square_island(0.9, atoms, atoms)
         island.rotate(1.0, "z")  # degrees
         return island
+
+    def unmoved() -> Truth:
+        exact = float(origins.barrier(turned(30), 0.0, square))
+        return Truth(exact, 1e-10, "structure factors")
 
     def moved() -> CaseAnswer:
         found = origins.relaxed_barrier(turned(30), origins.substrate_calculator(square))
@@ -127,9 +106,7 @@ def islands() -> list[Case | Question]:
             "900 atoms that ASE moves as a whole: the barrier",
             "relaxed_barrier",
             moved,
-            lambda: Truth(
-                float(origins.barrier(turned(30), 0.0, square)), 1e-10, "structure factors"
-            ),
+            unmoved,
         ),
     ]
 
@@ -137,9 +114,7 @@ def islands() -> list[Case | Question]:
 def island() -> Truth:
     """2 min(|S_x|, |S_y|) with the sums over atoms taken one by one."""
     i, j = np.arange(10_000), np.arange(1_000)
-    rows = np.array(
-        [0.5 * (k % 2) for k in j]
-    )  # rows of a triangular lattice are shifted by half a constant
+    rows = 0.5 * (j % 2)  # rows of a triangular lattice are shifted by half a constant
     along = np.exp(1j * i).sum()
     s_x = abs(along * np.exp(1j * rows).sum())
     s_y = abs(np.exp(1j * math.sqrt(0.75) * j).sum()) * i.size
@@ -149,9 +124,8 @@ def island() -> Truth:
 def nearly_normal(contacts: Contacts, path: np.ndarray) -> Truth:
     """F of Persson's law at 100 widths: normal, to the square of width/centre, of the width²/(2 sqrt 2 centre)."""
     normal = Contacts(origins.gaussian(1.0, 1e-4 / math.sqrt(8.0)))
-    return Truth(
-        truths.gaussian(normal, path / contacts.mean_threshold).values, 1e-4, "a normal law"
-    )
+    force = truths.gaussian(normal, path / contacts.mean_threshold).values
+    return Truth(force, 1e-4, "a normal law")
 
 
 def units() -> list[Case | Question]:
@@ -191,15 +165,8 @@ def _measured(slope: float) -> Contacts:
 
 def _pressed(rough: origins.SpectralMoments, model: str, pressure: float) -> Contacts:
     patch = 1e-14 if model == "persson" else None  # m²
-    law = origins.from_moments(
-        rough,
-        model=model,
-        law="amontons",
-        material=POLYMER,
-        pressure=pressure,
-        patch_area=patch,
-    )
-    return Contacts(law)
+    how: dict[str, Any] = {"model": model, "law": "amontons", "material": POLYMER}
+    return Contacts(origins.from_moments(rough, pressure=pressure, patch_area=patch, **how))
 
 
 def of_samples() -> list[Case | Question]:
@@ -215,29 +182,20 @@ def of_samples() -> list[Case | Question]:
         one = Contacts(origins.gaussian(1.0 + 5e-7, 0.05))
         return Truth(truths.gaussian(one, path).values, 1e-11, "the merged peak")
 
+    def alike() -> Contacts:
+        how: dict[str, Any] = {"sizes": [(7, 9)], "angles": [0.0], "stiffness": 1.0}
+        return Contacts(origins.domains(1.0, samples=100, **how))
+
+    def sampled(*x_s: float) -> Contacts:
+        return Contacts(origins.from_samples(x_s))
+
+    def one_value(contacts: Contacts, path: np.ndarray) -> Truth:
+        return Truth(np.mod(path, 1.0), 1e-5, "the merged value")
+
+    far, two = partial(sampled, *near, 50.0), partial(sampled, 1.0, 1.0 + 1e-6)
     return [
         Case(group, "laws 1e-6 apart", averaged, FORWARD, merged),
-        Case(
-            group,
-            "islands that are all alike",
-            lambda: Contacts(
-                origins.domains(1.0, sizes=[(7, 9)], angles=[0.0], stiffness=1.0, samples=100)
-            ),
-            FORWARD + 0.01,
-            truths.sawtooth,
-        ),
-        Case(
-            group,
-            "20 samples and one 50 times as large",
-            lambda: Contacts(origins.from_samples([*near, 50.0])),
-            FORWARD,
-            n_contacts=20_000,
-        ),
-        Case(
-            group,
-            "two samples 1e-6 apart",
-            lambda: Contacts(origins.from_samples([1.0, 1.0 + 1e-6])),
-            BETWEEN,
-            lambda contacts, path: Truth(np.mod(path, 1.0), 1e-5, "the merged value"),
-        ),
+        Case(group, "islands that are all alike", alike, FORWARD + 0.01, truths.sawtooth),
+        Case(group, "20 samples and one 50 times as large", far, FORWARD, n_contacts=20_000),
+        Case(group, "two samples 1e-6 apart", two, BETWEEN, one_value),
     ]

@@ -2,6 +2,7 @@
 
 import math
 from functools import partial
+from typing import Any
 
 import numpy as np
 import scipy.stats
@@ -24,51 +25,31 @@ def widths() -> list[Case | Question]:
     """std/mean from 1e-6 to 10."""
     group, found = "narrow and wide", list[Case | Question]()
     for width in (1e-6, 1e-4, 1e-2):
+        name, law = f"gaussian, std/mean = {width:g}", origins.gaussian(1.0, width)
         near = 1.0 + width * np.array([-3.0, -1.0, 0.0, 1.0, 3.0])
         path = np.concatenate([[0.5], near, [1.5], 2.0 * near, [2.5]])
-        found.append(
-            Case(
-                group,
-                f"gaussian, std/mean = {width:g}",
-                partial(Contacts, origins.gaussian(1.0, width)),
-                path,
-                truths.gaussian,
-            )
-        )
-    found.append(
-        Case(
-            group,
-            "gaussian, std/mean = 1e-3, tighter than round-off",
-            partial(Contacts, origins.gaussian(1.0, 1e-3)),
-            np.linspace(0.3, 30.0, 12),
-            truths.gaussian,
-            tolerance=1e-13,
-            n_contacts=0,
-        )
-    )
+        found.append(Case(group, name, partial(Contacts, law), path, truths.gaussian))
+    found.append(tighter_than_round_off(group))
     for width in (1.0, 3.0, 10.0):
-        spread = math.sqrt(math.log1p(width**2))
+        name, spread = f"lognormal, std/mean = {width:g}", math.sqrt(math.log1p(width**2))
         law = scipy.stats.lognorm(spread, scale=math.exp(-0.5 * spread**2))
-        found += [
-            Case(
-                group,
-                f"lognormal, std/mean = {width:g}",
-                partial(Contacts, law),
-                FORWARD,
-                n_contacts=300_000,
-            ),
-            steady(group, f"lognormal, std/mean = {width:g}", law, 0.5 * (1.0 + width**2)),
-        ]
-    found.append(
-        Case(
-            group,
-            "one exact value",
-            lambda: Contacts(origins.identical(1.0)),
-            FORWARD + 0.01,
-            truths.sawtooth,
-        )
+        found.append(Case(group, name, partial(Contacts, law), FORWARD, n_contacts=300_000))
+        found.append(steady(group, name, law, 0.5 * (1.0 + width**2)))
+    one = partial(Contacts, origins.identical(1.0))
+    return [*found, Case(group, "one exact value", one, FORWARD + 0.01, truths.sawtooth)]
+
+
+def tighter_than_round_off(group: str) -> Case:
+    """A tolerance that no solver reaches."""
+    return Case(
+        group,
+        "gaussian, std/mean = 1e-3, tighter than round-off",
+        partial(Contacts, origins.gaussian(1.0, 1e-3)),
+        np.linspace(0.3, 30.0, 12),
+        truths.gaussian,
+        tolerance=1e-13,
+        n_contacts=0,
     )
-    return found
 
 
 def steady(group: str, name: str, law: object, exact: float) -> Question:
@@ -100,81 +81,58 @@ def critical(contacts: Contacts, tolerance: float = 1e-8) -> CaseAnswer:
 
 def peaks() -> list[Case | Question]:
     """Two peaks that all but merge, and one that holds all but nothing."""
-    group = "near-merged peaks"
 
-    def two(apart: float) -> Contacts:
-        return Contacts(
-            origins.mixture(
-                [origins.gaussian(1.0 - apart, 0.05), origins.gaussian(1.0 + apart, 0.05)],
-                [0.5, 0.5],
-            )
-        )
+    def case(name: str, one: object, other: object, weight: float = 0.5, **how: Any) -> Case:
+        law = partial(origins.mixture, [one, other], [weight, 1.0 - weight])
+        return Case("near-merged peaks", name, lambda: Contacts(law()), **{"path": FORWARD} | how)
 
-    def one(contacts: Contacts, path: np.ndarray) -> Truth:
+    def merged(contacts: Contacts, path: np.ndarray) -> Truth:
         # two equal peaks of width s at 1 ± d are one of width (s² + d²)^(1/2), but for the fourth order of d/s
-        merged = truths.gaussian(Contacts(origins.gaussian(1.0, math.hypot(0.05, 1e-6))), path)
-        return Truth(merged.values, 1e-12, "the merged peak")
+        one = truths.gaussian(Contacts(origins.gaussian(1.0, math.hypot(0.05, 1e-6))), path)
+        return Truth(one.values, 1e-12, "the merged peak")
 
-    found: list[Case | Question] = [
-        Case(group, "gaussians 1e-6 apart", lambda: two(1e-6), FORWARD, one),
-        Case(group, "gaussians 0.05 apart", lambda: two(0.05), FORWARD),
-        Case(
-            group,
-            "a millionth of the contacts at a tenth of the stretch",
-            lambda: Contacts(
-                origins.mixture(
-                    [origins.gaussian(0.1, 0.001), origins.gaussian(1.0, 0.1)], [1e-6, 1.0 - 1e-6]
-                )
-            ),
-            FORWARD,
-        ),
-        Case(
-            group,
+    def sawtooth(contacts: Contacts, path: np.ndarray) -> Truth:
+        return Truth(np.mod(path, 1.0), 1e-8, "the merged value")
+
+    peak, exact = origins.gaussian, origins.identical
+    few = "a millionth of the contacts at a tenth of the stretch"
+    return [
+        case("gaussians 1e-6 apart", peak(1.0 - 1e-6, 0.05), peak(1.0 + 1e-6, 0.05), truth=merged),
+        case("gaussians 0.05 apart", peak(0.95, 0.05), peak(1.05, 0.05)),
+        case(few, peak(0.1, 0.001), peak(1.0, 0.1), 1e-6),
+        case(
             "two exact values 1e-9 apart",
-            lambda: Contacts(
-                origins.mixture([origins.identical(1.0), origins.identical(1.0 + 1e-9)], [0.5, 0.5])
-            ),
-            FORWARD + 0.01,
-            lambda contacts, path: Truth(np.mod(path, 1.0), 1e-8, "the merged value"),
+            exact(1.0),
+            exact(1.0 + 1e-9),
+            path=FORWARD + 0.01,
+            truth=sawtooth,
         ),
     ]
-    return found
 
 
 def poles() -> list[Case | Question]:
     """Densities that diverge."""
-    group = "diverging densities"
     arcsine, steep = scipy.stats.beta(0.5, 0.5), origins.lubricated(1.0, power=-0.9)
-    return [
-        Case(group, "arcsine", lambda: Contacts(arcsine), FORWARD, tolerance=1e-4),
-        steady(group, "arcsine", arcsine, 0.75),
-        Case(group, "x^-0.9 at 0", lambda: Contacts(steep), FORWARD, tolerance=1e-4),
-        steady(
-            group,
-            "x^-0.9 at 0",
-            steep,
-            math.gamma(0.05) * math.gamma(1.05) / (2.0 * math.gamma(0.55) ** 2),
-        ),
-    ]
+    of_steep = math.gamma(0.05) * math.gamma(1.05) / (2.0 * math.gamma(0.55) ** 2)
+    found = list[Case | Question]()
+    for name, law, force in (("arcsine", arcsine, 0.75), ("x^-0.9 at 0", steep, of_steep)):
+        group, contacts = "diverging densities", partial(Contacts, law)
+        found.append(Case(group, name, contacts, FORWARD, tolerance=1e-4))
+        found.append(steady(group, name, law, force))
+    return found
 
 
 def tails() -> list[Case | Question]:
     """Tails without a variance, without a mean."""
-    group = "heavy tails"
+    group, wide, wider = "heavy tails", scipy.stats.pareto(1.5), scipy.stats.pareto(0.9)
     return [
-        Case(
-            group,
-            "no variance: x^-2.5",
-            lambda: Contacts(scipy.stats.pareto(1.5)),
-            FORWARD,
-            tolerance=1e-4,
-        ),
+        Case(group, "no variance: x^-2.5", lambda: Contacts(wide), FORWARD, tolerance=1e-4),
         Question(
             group,
             "no variance: F_k does not exist",
             "steady_state",
-            lambda: kinetic(Contacts(scipy.stats.pareto(1.5))),
+            lambda: kinetic(Contacts(wide)),
             lambda: Truth(np.inf, 0.0, "the second moment diverges"),
         ),
-        Case(group, "no mean: x^-1.9", lambda: Contacts(scipy.stats.pareto(0.9)), FORWARD),
+        Case(group, "no mean: x^-1.9", lambda: Contacts(wider), FORWARD),
     ]
