@@ -118,8 +118,10 @@ def finite_array(name: str, value: object) -> np.ndarray:
     # asarray would read numbers in quotes as numbers
     if np.asarray(value).dtype.kind not in "iufO":
         refuse(name, value, "must be an array of numbers")
-    if array.ndim != 1 or array.size == 0:
-        refuse(name, array, "must be one-dimensional and not empty")
+    if array.size == 0:
+        refuse(name, [], "is empty: give one number at least")
+    if array.ndim != 1:
+        refuse(name, array, "must be one-dimensional")
     bad = np.flatnonzero(~np.isfinite(array))
     if bad.size:
         refuse(f"{name}[{bad[0]}]", array[bad[0]], "must be finite")

@@ -153,6 +153,7 @@ REFUSED = [
     (lambda: surface(short_cutoff=100.0, long_cutoff=200.0), "no mode"),
     (lambda: surface(shape=(10**6, 10**6)), "needs 4e+04 GB, 40 bytes a point, and this"),
     (lambda: origins.from_samples(), "from_samples: give either x_s"),
+    (lambda: origins.from_samples([]), "x_s = []: is empty: give one number at least"),
     (lambda: origins.from_samples([1.0, np.nan]), "x_s[1] = nan:"),
     (lambda: origins.from_samples(f_s=[1.0]), "from_samples: with f_s give either"),
     (

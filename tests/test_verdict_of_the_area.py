@@ -140,6 +140,23 @@ def test_the_headline_leads_with_the_rules_of_the_largest_slips() -> None:
     assert title.splitlines()[1].startswith("stick-slip, from 0.700 ") and "0.550" not in title
 
 
+def test_a_rule_under_which_the_areas_contacts_slip_now_and_then_is_so_told_in_the_headline() -> (
+    None
+):
+    """It said that they slide smoothly, above a line that they slip now and then: infinitely many slide."""
+    found = told(slips("reset"), slips("instant", **SMOOTH))
+    few = Finite("instant", 60, "now and then", 0.52, 1e-3, 0.48, 1e-3, 0.25, fluctuation=0.02)
+    own = replace(found.own, scale=replace(found.own.scale, contacts=60.0))
+    all_slip = Finite("reset", 60, "stick-slip", 0.6, 1e-3, 0.0, 0.0, 6.0, period=70.0)
+    few = replace(few, late=0.5, late_error=1e-3)
+    found = replace(found, answers=(own,), finite=(all_slip, few))
+    says = (
+        "stick-slip if a slip renews all contacts, slips now and then if contacts re-form at once"
+    )
+    assert sentence(found) == f"what contacts do in a slip decides: {says}"
+    assert any(one.strip().startswith("slips now and then, at 0.500 ") for one in page(found))
+
+
 @pytest.mark.parametrize(
     "number, whom", [(6e4, "the 60,000 of the area"), (None, "infinitely many")]
 )

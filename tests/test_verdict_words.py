@@ -11,7 +11,7 @@ from typing import Any
 import numpy as np
 import pytest
 
-from master import steady_state
+from master import propensity, solve, steady_state
 from master.soft.inertia.foretold import enough_damping
 from origins import (
     Contacts,
@@ -39,6 +39,7 @@ from toolkit.verdict.sliders.late import shrinking
 from toolkit.verdict.sliders.machine import Machine, RigidSlider
 from toolkit.verdict.sliders.records import Behaviour, Finite, not_followed
 from toolkit.verdict.sliders.slips_in_time import SlipsOfMass
+from toolkit.verdict.sliders.told import behaviour_of
 from toolkit.verdict.slips_in_words import hidden_by, kind_of_trace, swinging
 from toolkit.verdict.text.hangs_on import dependence
 from toolkit.verdict.text.k_star import of_critical_spring
@@ -125,6 +126,25 @@ def test_rules_with_errors_of_their_own_stand_apart_in_the_headline() -> None:
     assert apart.endswith("if contacts re-form after the slip")
     alike = page(told(slips("reset", error=1e-2), slips("reform-after", error=1e-2)))[2]
     assert alike.count("±") == 1
+
+
+def test_a_slip_that_begins_past_the_peak_of_the_force_tells_the_peak() -> None:
+    """Near K* the sentence told the force at a slip's begin as if it were the static one: 0.578 beside an F_s of 0.690
+    on a spring of 1 beside a K* of 1.036."""
+    contacts = Contacts(gaussian(1.0, 0.2))
+    solved = solve(contacts, np.linspace(0.0, 4.0, 201), spring=1.0, slip="reset", tolerance=1e-6)
+    near = behaviour_of("reset", solved, 1.0, 1.0, "")
+    static = propensity(contacts).static_to_kinetic * steady_state(contacts).force
+    assert (near.before, static) == pytest.approx((0.578, 0.690), abs=1e-3)
+    assert near.peak == pytest.approx(static, rel=1e-3)
+    unit = "N_c<k>·length"
+    for before, peak, says in (
+        (0.5, 0.6, f", past the peak F_s = 0.6000 {unit}, down"),
+        (0.5, 0.55, f", past a peak of 0.55 {unit}, down"),
+        (0.6, 0.6, " down"),
+    ):
+        text = page(told(slips("reset", before=before, peak=peak)))[2]
+        assert text.startswith(f"stick-slip: {before:.4f} {unit}{says} to 0 {unit}")
 
 
 @pytest.mark.parametrize("other", [(0.7, 0.4), (0.9, 0.3)])

@@ -88,6 +88,8 @@ class Behaviour:
     kind : "stick-slip", "smooth", "ever rarer" (see Finite), or "undecided"
     before, after : spring force before and after a slip, the last main one (see Slips.main), also where it is
         undecided whether more follow; both the sliding force where it is smooth
+    peak : largest spring force between the slip before and this one, at the points of the path: a spring near K* gives
+        way past the peak; nan where it is not looked at
     period : of the drive, from the last main slip but one to the last
     slips : how many there were, all of infinitely many contacts, main ones of each slider of an ensemble
         Of infinitely many contacts whose slips go on and differ in size, before, after and period are means over the
@@ -141,6 +143,7 @@ class Behaviour:
     shrinks_by: float = 0.0
     left: float = 0.0
     period_error: float = 0.0
+    peak: float = float("nan")
     few_break: float | None = None
     swings: tuple[float, float] | None = None
     smaller: int = 0

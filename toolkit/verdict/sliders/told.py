@@ -42,6 +42,18 @@ def hangs_on_heat(found: Behaviour) -> bool:
     return found.heat_left_out is not None and found.heat_left_out >= WEAK_EFFECT
 
 
+def _peak_before(solved: Any, slip: int, velocity: float) -> float:
+    """The largest force at points of the path from the end of the slip before this one to its begin."""
+    slips, since = solved.slips, 0
+    if slip:
+        end = slips.drive[slip - 1] + velocity * (
+            slips.duration[slip - 1] if hasattr(slips, "duration") else 0.0
+        )
+        since = np.searchsorted(solved.path, end, "right")
+    forces = solved.force[since : np.searchsorted(solved.path, slips.drive[slip])]
+    return float(np.max(forces, initial=slips.force_before[slip]))
+
+
 def behaviour_of(rule: str, solved: Any, velocity: float, unit: float, open_why: str) -> Behaviour:
     """What the solution of a soft slider says: no figure where its force is not known. `unit` : the mean threshold;
     `open_why` : why it is not known whether the slider will slip again, "" where that is to be seen."""
@@ -60,11 +72,12 @@ def behaviour_of(rule: str, solved: Any, velocity: float, unit: float, open_why:
     slips, kind = solved.slips, "undecided" if open_why else kind_of(solved)
     last = float(solved.force[-1]) if solved.force.size else float("nan")
     before, after, period, error = last, last, solved.period, judged
-    period_error = 0.0 if period is None else float(slips.period_error)
+    period_error, peak = 0.0 if period is None else float(slips.period_error), last
     if slips.drive.size and kind in ("stick-slip", "undecided"):
         shown = slips_to_tell(slips, kind == "stick-slip")
         forces = slips.force_before[shown], slips.force_after[shown]
         before, after = (float(one.mean()) for one in forces)
+        peak = float(np.mean([_peak_before(solved, one, velocity) for one in shown]))
         if shown.size > 1:
             # as many gaps as slips, with that before the first of them
             period, scatter = mean_of_pairs(np.diff(slips.drive[slips.main])[-shown.size :])
@@ -85,6 +98,7 @@ def behaviour_of(rule: str, solved: Any, velocity: float, unit: float, open_why:
         kind=kind,
         before=before,
         after=after,
+        peak=peak,
         period=period,
         period_error=period_error,
         slips=slips.drive.size,

@@ -1,17 +1,18 @@
 """The rows of a verdict's table on slips: their forces, period and duration, by slip rule."""
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 
 import numpy as np
 
 from toolkit.scene.scale import guarded, with_scatter, written
-from toolkit.verdict.answers import Verdict
+from toolkit.verdict.answers import Answer, Verdict
 from toolkit.verdict.mean_force import mean_over_slips
 from toolkit.verdict.of_area import finite_told_apart, rows_of
 from toolkit.verdict.sliders.follow import ENOUGH_SLIPS
 from toolkit.verdict.sliders.late import SLIDERS
 from toolkit.verdict.sliders.records import Behaviour
 from toolkit.verdict.slips_in_words import (
+    WORTH_SHOWING,
     falls,
     period_of,
     still_changing,
@@ -34,6 +35,8 @@ TIME_OF_A_SLIP = "time of a slip"
 IN_BRACKETS = "force before a slip", "drop of a slip", "of it regained over a period", "period"
 # part of a period, the drive's way while contacts are out, up to which K times the period is what the spring regains
 WAITING = 0.02
+# part of F_s by which the largest force at points of a path may miss a peak: these are 0.02 <x_s> apart
+AT_POINTS = 3e-3
 
 
 def rows_of_slips(verdict: Verdict) -> Iterator[list[str]]:
@@ -164,6 +167,21 @@ def _first_slip(verdict: Verdict, behaviour: Behaviour) -> str:
 def drop_of(behaviour: Behaviour) -> float:
     """By how much the spring's force falls in a slip, F/(N_c <k>) (a length); of a mass its first swing."""
     return behaviour.before - behaviour.after
+
+
+def past_peak(verdict: Verdict, answer: Answer, alike: Sequence[Behaviour]) -> str:
+    """The peak of the force where a slip begins clearly past it, as on a spring near K*, with F_s in its place where it
+    is that; "" where it is not clear, or differs between `alike`."""
+    one, unit, static = alike[0], answer.scale.force_unit, answer.static
+    peaks, clear = [each.peak for each in alike], one.error * answer.contacts.mean_threshold
+    if not min(peaks) > one.before + max(clear, WORTH_SHOWING * one.before):
+        return ""
+    if np.ptp([*peaks, static.value]) < AT_POINTS * static.value and not answer.contacts.in_time:
+        force, off = static.value * answer.scale.force, widest_uncertainty(verdict)
+        return f", past the peak F_s = {guarded(force, unit, off * force, is_vague(verdict))},"
+    if np.ptp(peaks) > WORTH_SHOWING * one.before:
+        return ""
+    return f", past a peak of {written(one.peak * answer.scale.force, unit, digits=2)},"
 
 
 def regained_by(verdict: Verdict, behaviour: Behaviour) -> float | None:

@@ -18,6 +18,7 @@ from toolkit.verdict.of_area import (
 from toolkit.verdict.sliders.late import EVER_RARER, shrinking
 from toolkit.verdict.sliders.records import Behaviour
 from toolkit.verdict.slips_in_words import (
+    does,
     falls,
     hidden_by,
     left_out,
@@ -49,7 +50,7 @@ from toolkit.verdict.text.kinds import (
 from toolkit.verdict.text.of_delay import delay_decides, of_extremes, would_swing
 from toolkit.verdict.text.of_heat import of_small_falls, stability, way_to
 from toolkit.verdict.text.over_load import of_spread
-from toolkit.verdict.text.slip_rows import drop_of
+from toolkit.verdict.text.slip_rows import drop_of, past_peak
 from toolkit.verdict.text.spread import other_samples, widest
 from toolkit.verdict.text.table import first_alike, table
 from toolkit.verdict.text.undone import against_k_star, cause, followed_instead, undecided_readings
@@ -145,7 +146,7 @@ def turned(verdict: Verdict) -> list[str]:
 
 def _kinds(verdict: Verdict) -> list[str]:
     """What happens under which rule of the own reading, else by that reading and by the others."""
-    groups = _groups(verdict.own)
+    groups = _groups(verdict)
     if lost_with_mass(verdict.own):  # which stands before all this
         del groups["not decided"]
     if len(groups) > 1:
@@ -191,11 +192,12 @@ def _disagreement(verdict: Verdict) -> str:
     return "; ".join(each)
 
 
-def _groups(answer: Answer) -> dict[str, list[Behaviour]]:
-    """The rules by what happens under them, in words."""
-    groups: dict[str, list[Behaviour]] = {}
-    for behaviour in answer.behaviours:
-        groups.setdefault(in_a_word(behaviour), []).append(behaviour)
+def _groups(verdict: Verdict) -> dict[str, list[Behaviour]]:
+    """The rules by what happens under them, in words: of the area's contacts where these slip now and then."""
+    groups, few = dict[str, list[Behaviour]](), finite_told_apart(verdict)
+    rare = {rule: does(finite) for rule, finite in few.items() if finite.kind == "now and then"}
+    for one in verdict.own.behaviours:
+        groups.setdefault(rare.get(one.rule, in_a_word(one)), []).append(one)
     return groups
 
 
@@ -283,7 +285,7 @@ def _behaved(
     own = error if error > uncertainty * min(map(abs, after)) else 0.0
     unit = scale.force_unit
     low = hidden_by(own, after, unit) or span(after, unit, shown_error or own)
-    fall = falls(high, low, drop_of(last) * scale.force, unit)
+    fall = falls(high, low, drop_of(last) * scale.force, unit, past_peak(verdict, answer, alike))
     if kind == "undecided":
         return seen_slips(last, fall)
     if bare:
