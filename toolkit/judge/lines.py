@@ -40,41 +40,13 @@ def table(compared: Sequence[ComparedScene]) -> list[str]:
         heads += [f"K* ({unit})", f"F_k ({'N' if unit == 'N/m' else 'Pa'})"]
         names += [SPRINGS[unit], FORCES[unit]]
     heads += _EVIDENCE
-    rows, notes, times = [["", "scene", *heads]], dict[str, list[str]](), list[str]()
+    rows, notes = [["", "scene", *heads]], dict[str, list[str]]()
     for rank, scene in enumerate(compared, start=1):
-        own, ranges = [*scene.conditions, *scene.cautions], list[str]()
-        cells, many = [str(rank), scene.name], len(scene.readings)
-        for name in names:
-            write = _writer_of(scene) if name in SPRINGS.values() else guarded
-            value, over = _cells([one.numbers[name] for one in scene.readings], write)
-            if name in SPRINGS.values() and any(one.unknown for one in scene.readings):
-                value, over = _of_answered(scene, name)
-            if name == "onset_power" and value:
-                value = onset_in_words(scene.own.numbers[name], 4)
-            cells.append(value)
-            ranges.append(over)
-        times.append(f"{scene.name} {scene.found.run_time:.2g} s")
-        if (seen := scene.evidence) is not None:
-            worst, expected = seen["worst_deviation"], seen["expected"]
-            error = seen["static_to_kinetic_error"]
-            cells.append(with_error(seen["static_to_kinetic"], error, 6))
-            cells.append(
-                "" if expected is None else written(expected, "", error, 6 if error else 3)
-            )
-            cells.append("" if worst is None else f"{worst:.1f}")
-            times[-1] += f" and its ensemble {seen['run_time']:.2g} s"
-            if seen["not_compared"] is not None:
-                own.append(f"simulated and solved forces are not compared: {seen['not_compared']}")
-        for why in dict.fromkeys(scene.left_out.values()):
-            names_of = [name for name, its in scene.left_out.items() if its == why]
-            own.append(f"left out: {'; '.join(names_of)}: {why}")
-        rows.append(cells)
-        if many > 1:
-            rows.append(["", f"over {many} readings", *ranges])
-            names_of = sorted(one.name for one in scene.readings)
-            what = "contact model/threshold law and step of the points"
-            own.append(f"the {many} readings, {what}, are {'; '.join(names_of)}")
-        for note in own:
+        cells, ranges = _numbers_of(scene, names)
+        rows.append([str(rank), scene.name, *cells, *_of_evidence(scene)])
+        if len(scene.readings) > 1:
+            rows.append(["", f"over {len(scene.readings)} readings", *ranges])
+        for note in _notes_on(scene):
             notes.setdefault(note, []).append(scene.name)
     said = [f"{', '.join(whose)}: {note}" for note, whose in notes.items()]
     started = {one.name: one.result.asked.contacts.start for one in compared}
@@ -97,8 +69,59 @@ def table(compared: Sequence[ComparedScene]) -> list[str]:
     meant = (_HEADS | _EVIDENCE).get
     meanings = [meant(name) for name in head_names]
     said.insert(0, "; ".join(filter(None, [*_of_critical_spring(compared), *meanings])))
-    said.append(f"run times: {', '.join(times)}")
+    said.append(f"run times: {', '.join(map(_run_times, compared))}")
     return [*first, head, "-" * len(head), *lines, *said]
+
+
+def _numbers_of(scene: ComparedScene, names: Sequence[str]) -> tuple[list[str], list[str]]:
+    """The numbers of these names of a scene, by its own reading and over all of them."""
+    cells, ranges = list[str](), list[str]()
+    for name in names:
+        write = _writer_of(scene) if name in SPRINGS.values() else guarded
+        value, over = _cells([one.numbers[name] for one in scene.readings], write)
+        if name in SPRINGS.values() and any(one.unknown for one in scene.readings):
+            value, over = _of_answered(scene, name)
+        if name == "onset_power" and value:
+            value = onset_in_words(scene.own.numbers[name], 4)
+        cells.append(value)
+        ranges.append(over)
+    return cells, ranges
+
+
+def _of_evidence(scene: ComparedScene) -> list[str]:
+    """The largest force by the ensemble, by the master equation, and by how much they are apart; none without one."""
+    if (seen := scene.evidence) is None:
+        return []
+    worst, expected, error = (
+        seen[name] for name in ("worst_deviation", "expected", "static_to_kinetic_error")
+    )
+    return [
+        with_error(seen["static_to_kinetic"], error, 6),
+        "" if expected is None else written(expected, "", error, 6 if error else 3),
+        "" if worst is None else f"{worst:.1f}",
+    ]
+
+
+def _notes_on(scene: ComparedScene) -> Iterator[str]:
+    """Conditions and cautions of a scene, what is not compared or left out of it, and its readings."""
+    yield from (*scene.conditions, *scene.cautions)
+    if scene.evidence is not None and scene.evidence["not_compared"] is not None:
+        why = scene.evidence["not_compared"]
+        yield f"simulated and solved forces are not compared: {why}"
+    for why in dict.fromkeys(scene.left_out.values()):
+        names_of = [name for name, its in scene.left_out.items() if its == why]
+        yield f"left out: {'; '.join(names_of)}: {why}"
+    if (many := len(scene.readings)) > 1:
+        names_of = sorted(one.name for one in scene.readings)
+        what = "contact model/threshold law and step of the points"
+        yield f"the {many} readings, {what}, are {'; '.join(names_of)}"
+
+
+def _run_times(scene: ComparedScene) -> str:
+    """How long a scene took, and its ensemble."""
+    took = f"{scene.name} {scene.found.run_time:.2g} s"
+    seen = scene.evidence
+    return took if seen is None else f"{took} and its ensemble {seen['run_time']:.2g} s"
 
 
 def _of_critical_spring(compared: Sequence[ComparedScene]) -> Iterator[str]:

@@ -42,10 +42,7 @@ AT_POINTS = 3e-3
 def rows_of_slips(verdict: Verdict) -> Iterator[list[str]]:
     """Rows of the slips of the own reading, first of the contacts of the area where these do something else than
     infinitely many; rules that give the same numbers share a row."""
-    scale, rows = verdict.own.scale, dict[tuple[str, str], list[str]]()
-    force, load, few = scale.force_unit, scale.load, finite_told_apart(verdict)
-    vague, machine = is_vague(verdict), verdict.own.machine
-    machine_spring = machine.spring if machine is not None else 0.0
+    rows, few = dict[tuple[str, str], list[str]](), finite_told_apart(verdict)
     for rule, many in few.items():
         for row in rows_of(verdict, many).items():
             rows.setdefault(row, []).append(rule)
@@ -57,51 +54,57 @@ def rows_of_slips(verdict: Verdict) -> Iterator[list[str]]:
             rows.setdefault(("first slip", first), []).append(behaviour.rule)
         if behaviour.kind == "smooth" or not behaviour.slips or shown_above:
             continue
-        mean, before = verdict.own.contacts.mean_threshold, abs(behaviour.before)
-        relative_error = (
-            behaviour.error * mean / before if before and behaviour.error < np.inf else 0.0
-        )
-        uncertainty = max(widest_uncertainty(verdict), relative_error)
-        before, drop = (behaviour.before * scale.force, drop_of(behaviour) * scale.force)
-        # an error that other samples and readings do not hide is told beside its number
-        shown = relative_error > max(TOLD_FROM, widest_uncertainty(verdict))
-        error = relative_error * abs(before) * shown
-        values = {
-            "force before a slip": _with_error(before, force, uncertainty * before, error, vague)
-        }
-        values["force before a slip"] += _of_load(before, uncertainty, error, load, vague)
-        values["drop of a slip"] = _with_error(drop, force, uncertainty * drop, error, vague)
-        if (regained := regained_by(verdict, behaviour)) is not None:
-            back = regained * scale.force
-            of_period = machine_spring * behaviour.period_error * scale.force
-            told = _with_error(
-                back, force, uncertainty * back, max(error, of_period) * shown, vague
-            )
-            values["of it regained over a period"] = told
-        if (mean_force := mean_over_slips(behaviour)) is not None:
-            mean_force *= scale.force
-            told = _with_error(mean_force, force, uncertainty * mean_force, error, vague)
-            told += _of_load(mean_force, uncertainty, error, load, vague)
-            values["mean force of stick-slip"] = told
-        if behaviour.period is not None:
-            beside_forces = period_of(verdict, behaviour.period, uncertainty, bool(error))
-            values["period"] = ", ".join(with_period_error(verdict, behaviour) or beside_forces)
-        if behaviour.kind == "stick-slip" and behaviour.slips < ENOUGH_SLIPS:
-            told = _of_few_slips(behaviour) + still_changing(behaviour.finite, scale)
-            values[SLIPS_SEEN] = told
-        if (lasts := behaviour.in_time.slip_time) is not None:
-            values[TIME_OF_A_SLIP] = written(lasts, scale.time_unit)
+        values, whose = _values_of(verdict, behaviour), ""
         if behaviour.rule in few:  # whose forces and period stand in the answer, in brackets
             values = {name: told for name, told in values.items() if name not in IN_BRACKETS}
-        whose = ", infinitely many contacts" * (behaviour.rule in few)
+            whose = ", infinitely many contacts"
         for name, value in values.items():
             rule = behaviour.rule + _unfinished(behaviour)
             rows.setdefault((name + whose, value), []).append(rule)
     for (name, value), rules in rows.items():
         yield [f"{name} ({', '.join(rules)})", value, "", ""]
     slip = any(one.slips and one.kind != "smooth" for one in verdict.own.behaviours)
+    machine = verdict.own.machine
     if slip and machine is not None and machine.mass is None:
         yield [TIME_OF_A_SLIP, "hangs on the mass M, some π (M/K)^(1/2): give drive.mass", "", ""]
+
+
+def _values_of(verdict: Verdict, behaviour: Behaviour) -> dict[str, str]:
+    """The numbers of slips under one rule by their names, each with its unit."""
+    scale, vague, widest = verdict.own.scale, is_vague(verdict), widest_uncertainty(verdict)
+    mean, before = verdict.own.contacts.mean_threshold, behaviour.before
+    known = before and behaviour.error < np.inf
+    relative_error = behaviour.error * mean / abs(before) if known else 0.0
+    uncertainty = max(widest, relative_error)
+    # an error that other samples and readings do not hide is told beside its number
+    shown = relative_error > max(TOLD_FROM, widest)
+    error = relative_error * abs(before * scale.force) * shown
+
+    def told(force: float, error: float = error) -> str:
+        """A force with its error where that is shown."""
+        return _with_error(force, scale.force_unit, uncertainty * force, error, vague)
+
+    def with_load(force: float) -> str:
+        """The same, and as a part of the load."""
+        return told(force) + _of_load(force, uncertainty, error, scale.load, vague)
+
+    values = {"force before a slip": with_load(before * scale.force)}
+    values["drop of a slip"] = told(drop_of(behaviour) * scale.force)
+    if (regained := regained_by(verdict, behaviour)) is not None:
+        spring = verdict.own.machine.spring if verdict.own.machine is not None else 0.0
+        of_period = spring * behaviour.period_error * scale.force
+        regained_error = max(error, of_period) * shown
+        values["of it regained over a period"] = told(regained * scale.force, regained_error)
+    if (mean_force := mean_over_slips(behaviour)) is not None:
+        values["mean force of stick-slip"] = with_load(mean_force * scale.force)
+    if behaviour.period is not None:
+        beside_forces = period_of(verdict, behaviour.period, uncertainty, bool(error))
+        values["period"] = ", ".join(with_period_error(verdict, behaviour) or beside_forces)
+    if behaviour.kind == "stick-slip" and behaviour.slips < ENOUGH_SLIPS:
+        values[SLIPS_SEEN] = _of_few_slips(behaviour) + still_changing(behaviour.finite, scale)
+    if (lasts := behaviour.in_time.slip_time) is not None:
+        values[TIME_OF_A_SLIP] = written(lasts, scale.time_unit)
+    return values
 
 
 def _of_load(
