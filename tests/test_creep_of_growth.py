@@ -33,7 +33,8 @@ def test_slow_disturbances_see_the_slope_of_the_kinetic_force(beta: float, veloc
 
 @pytest.mark.parametrize("width", [0.03, *(slow(width) for width in (0.01, 0.1))])
 def test_contacts_that_hardly_grow_answer_as_those_that_do_not(width: float) -> None:
-    """Both sums over ages are made in other ways: by closed integrals, and by numerical ones."""
+    """What contacts gain on a step is found in other ways, in closed form and by differences of their rates; the sum
+    over steps is one."""
     waves = np.geomspace(1e-3, 100.0, 30)
     still = response(Contacts(WIDE, thermal=Thermal("eyring", width=width)), 1e-4, waves)
     grown = response(growing(WIDE, 1e-9, width=width), 1e-4, waves)

@@ -76,13 +76,11 @@ def a05(figure: Any) -> Found:
     exact, _ = _q15_steady(1e-3)
     crossing = _crossover()
     return Found(
-        *(
-            "F_k of (Q15), D_X = 1e-3",
-            found,
-            off + 1e-8,
-            exact,
-            "moments of diffusion with resetting",
-        ),
+        "F_k of (Q15), D_X = 1e-3",
+        found,
+        off + 1e-8,
+        exact,
+        "moments of diffusion with resetting",
         paper="v_aging = 6.5e3 D",
         remark=f"The paper's 6.5e3 D is a fit: ageing and breaking are equally fast at {crossing:.2g} D. Contacts that "
         "age one by one weaken again at slow speeds, as thresholds that fluctuate come down to the stretch.",

@@ -146,12 +146,10 @@ def a08c(figure: Any) -> Found:
     found = (float(fast.force) - 0.5 * (1.0 + _STD**2)) * speed
     return Found(
         "v (F_k - F(∞)) for v → ∞, soft contacts, T = 0.1",
-        *(
-            found,
-            2e-4 * abs(found),
-            _fast_coefficient(temperature),
-            "first order in 1/v, by quadrature",
-        ),
+        found,
+        2e-4 * abs(found),
+        _fast_coefficient(temperature),
+        "first order in 1/v, by quadrature",
         paper="∝ -ωT²/k",
         remark=f"-ωT²/2k = {-0.5 * temperature**2:g} is the limit T → 0, of soft contacts that break one by one; stiff "
         "ones go as T^(5/3), and in the paper's own closure it is T std.",
@@ -192,12 +190,10 @@ def a08d(figure: Any) -> Found:
     x, weights, survival = _survival(0.3, 1.0)
     exact = float((weights * x * survival).sum() / (weights * survival).sum())
     return Found(
-        *(
-            "F at X = 200, T = 0.3, ω/kv = 1, the paper's closure",
-            float(late.force[0]),
-            1e-6,
-            exact,
-        ),
+        "F at X = 200, T = 0.3, ω/kv = 1, the paper's closure",
+        float(late.force[0]),
+        1e-6,
+        exact,
         "F_k by quadrature of Eq. temper4",
         remark="Dotted lines add the mean rate H/v to P, which counts weak contacts that heat has already broken; full "
         "lines follow single contacts.",

@@ -7,6 +7,7 @@ import numpy as np
 import eq_model
 import master
 from origins.contacts import Contacts
+from origins.thresholds.law import Array
 from toolkit.figures.found import FORCE, INKS, Found, coarser, lettered, waterfall
 from toolkit.judge.closed_form import closed_form
 from toolkit.scene.scene import load_scene
@@ -36,35 +37,33 @@ def _two(figure: Any) -> Any:
 def a02a(figure: Any) -> Found:
     """Short times of the ensemble: Q(x;X) every 0.05, and F(X)."""
     path = np.linspace(0.0, 3.0, 301)
-    found = _followed(_contacts(), path, path[:151:5])
-    upper, lower = _two(figure)
-    waterfall(upper, (coarser(h.stretch_edges, h.stretches, _FINE) for h in found.histograms), 1.0)
-    lower.plot(path, found.force, color=INKS[0], lw=1.0)
-    _name(upper, lower)
-    exact, _ = closed_form(_contacts(), path)
+    found, exact = _by_ensemble(figure, path, path[:151:5])
     top = int(np.argmax(exact))
-    off = 5.0 * float(found.force_standard_error[top])
-    return Found(
-        f"F_s, the ensemble's F at X = {path[top]:.2f}",
-        *(float(found.force[top]), off, float(exact[top]), "closed form, Gaussian thresholds"),
-    )
+    return _told_at(top, f"F_s, the ensemble's F at X = {path[top]:.2f}", found, exact)
 
 
 def a02b(figure: Any) -> Found:
     """Long times of the ensemble, with the increment 1.05."""
-    shown = _LONG * np.arange(25)
+    shown = _LONG * np.arange(25.0)
     path = np.unique(np.concatenate([shown, np.linspace(0.0, shown[-1], 501)]))
+    found, exact = _by_ensemble(figure, path, shown)
+    return _told_at(-1, f"the ensemble's F at X = {path[-1]:.1f}", found, exact)
+
+
+def _by_ensemble(figure: Any, path: Array, shown: Array) -> tuple[Any, Array]:
+    """The ensemble's Q(x;X) where it is shown, above F(X); what it found, and F in closed form."""
     found = _followed(_contacts(), path, shown)
     upper, lower = _two(figure)
     waterfall(upper, (coarser(h.stretch_edges, h.stretches, _FINE) for h in found.histograms), 1.0)
     lower.plot(path, found.force, color=INKS[0], lw=1.0)
     _name(upper, lower)
-    exact, _ = closed_form(_contacts(), path)
-    off = 5.0 * float(found.force_standard_error[-1])
-    return Found(
-        f"the ensemble's F at X = {path[-1]:.1f}",
-        *(float(found.force[-1]), off, float(exact[-1]), "closed form, Gaussian thresholds"),
-    )
+    return found, closed_form(_contacts(), path)[0]
+
+
+def _told_at(point: int, what: str, found: Any, exact: Array) -> Found:
+    """The ensemble's force at a point of its path."""
+    value, off = float(found.force[point]), 5.0 * float(found.force_standard_error[point])
+    return Found(what, value, off, float(exact[point]), "closed form, Gaussian thresholds")
 
 
 def a02c(figure: Any) -> Found:
