@@ -17,14 +17,7 @@ from eq_model.coupled.mass.sliders import HeavySliders
 from eq_model.engine import Engine
 from eq_model.result import CoupledResult, EnsembleResult, HeavyResult
 from origins import Contacts, Drive
-from origins.errors import (
-    InputError,
-    NothingInTimeError,
-    check_seed,
-    positive,
-    refuse,
-    whole,
-)
+from origins.errors import InputError, NothingInTimeError, check_seed, positive, refuse, whole
 
 
 class Ensemble:

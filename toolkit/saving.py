@@ -7,14 +7,7 @@ from pathlib import Path
 from typing import Any
 
 from origins.errors import refuse
-from toolkit.results.files import (
-    RESULT,
-    another,
-    earlier,
-    summary,
-    write_json,
-    write_result,
-)
+from toolkit.results.files import RESULT, another, earlier, summary, write_json, write_result
 from toolkit.results.folders import write_folder
 from toolkit.results.points import write_sweep
 from toolkit.results.records import Result

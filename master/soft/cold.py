@@ -113,11 +113,7 @@ class ColdSlider:
                 self.missed_slip / unit,
                 "turn or end the path a little elsewhere",
             ),
-            ErrorPart(
-                OF_UNSURE_SLIP,
-                self.unsure_slip / unit,
-                LEAVE_OUT,
-            ),
+            ErrorPart(OF_UNSURE_SLIP, self.unsure_slip / unit, LEAVE_OUT),
             ErrorPart("rounding", rounding / unit, LOOSEN),
         )
         return Followed(

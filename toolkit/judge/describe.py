@@ -56,9 +56,7 @@ class Description:
 
 
 def describe(
-    contacts: Contacts,
-    velocity: float = 1.0,
-    progress: Callable[[int, int], None] | None = None,
+    contacts: Contacts, velocity: float = 1.0, progress: Callable[[int, int], None] | None = None
 ) -> Description:
     """Numbers of the contacts' thresholds, and of sliding at `velocity` (length per time; it matters only with rates or
     a delay).
@@ -180,10 +178,7 @@ def _add_sampling_errors(
 
 
 def _slide(
-    contacts: Contacts,
-    velocity: float,
-    numbers: dict[str, Number],
-    tolerance: float | None = 1e-8,
+    contacts: Contacts, velocity: float, numbers: dict[str, Number], tolerance: float | None = 1e-8
 ) -> list[str]:
     """Add F_k and the propensity, F_k alone without a tolerance, to `numbers`; returns a note where one misses its
     tolerance and is not known to a thousandth either."""

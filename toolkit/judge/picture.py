@@ -7,13 +7,7 @@ import numpy as np
 
 from toolkit.judge.compare import ComparedScene, common_unit
 from toolkit.judge.lines import disagreements, range_of_spring
-from toolkit.pictures.axes import (
-    in_lines,
-    legend_above,
-    name_axis,
-    spring_name,
-    style_of,
-)
+from toolkit.pictures.axes import in_lines, legend_above, name_axis, spring_name, style_of
 from toolkit.pictures.thresholds import highest
 from toolkit.results.kinds import is_precise
 from toolkit.scene.scale import SHARED, written

@@ -25,12 +25,7 @@ from toolkit.results.kinds import (
 from toolkit.results.legend import keys_of
 from toolkit.results.numbers import numbers_of
 from toolkit.results.points import fill_sweep, read_sweep
-from toolkit.results.records import (
-    Result,
-    SolvedRecord,
-    ThresholdCurve,
-    mean_energies,
-)
+from toolkit.results.records import Result, SolvedRecord, ThresholdCurve, mean_energies
 from toolkit.results.verdicts import contradiction
 from toolkit.scene.interfaces import Number
 from toolkit.scene.tables import read_table

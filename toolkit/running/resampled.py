@@ -31,10 +31,7 @@ _OF_MOMENTS: dict[str, tuple[Callable[[Any], Any], int]] = {
     "second_moment": (lambda m: 1.0 + 2.0 * m[0] + m[1], 2),
     "third_moment": (lambda m: 1.0 + 3.0 * (m[0] + m[1]) + m[2], 3),
     "kinetic_force": (lambda m: (1.0 + 2.0 * m[0] + m[1]) / (2.0 * (1.0 + m[0])), 1),
-    "linked_force": (
-        lambda m: (1.0 + 3.0 * (m[0] + m[1]) + m[2]) / (2.0 * (1.0 + m[0]) ** 2),
-        1,
-    ),
+    "linked_force": (lambda m: (1.0 + 3.0 * (m[0] + m[1]) + m[2]) / (2.0 * (1.0 + m[0]) ** 2), 1),
 }
 
 

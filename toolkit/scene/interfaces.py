@@ -15,11 +15,7 @@ from origins.thresholds.gaussian import CutGaussian
 from origins.thresholds.law import Thresholds
 from toolkit.scene.barriers import of_barriers, of_other_barriers
 from toolkit.scene.of_samples import of_islands, of_samples
-from toolkit.scene.scale import (
-    length_unit_of,
-    of_contacts,
-    written,
-)
+from toolkit.scene.scale import length_unit_of, of_contacts, written
 from toolkit.scene.scene import Scene
 from toolkit.scene.units_to_check import of_stretch, of_units
 

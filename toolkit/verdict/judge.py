@@ -181,10 +181,7 @@ def finite_sliders(
                 return tuple(found)  # which decides: slip rules without the mass do not
     late = [one.rule for one in each[len(found) :]]
     why = INTERRUPTED if every.stops.by else NO_TIME
-    return (
-        *found,
-        *(Finite(rule, max(round(number), 1), "unknown", message=why) for rule in late),
-    )
+    return (*found, *(Finite(rule, max(round(number), 1), "unknown", message=why) for rule in late))
 
 
 def answer_of(

@@ -5,14 +5,7 @@ from typing import Any, TypeVar
 
 import numpy as np
 
-from toolkit.pictures.axes import (
-    DASHES,
-    OKABE_ITO,
-    force_name,
-    in_lines,
-    legend_above,
-    name_axis,
-)
+from toolkit.pictures.axes import DASHES, OKABE_ITO, force_name, in_lines, legend_above, name_axis
 from toolkit.pictures.traces import draw_curve, hides_swings
 from toolkit.scene.scale import spoken, told_contacts, written
 from toolkit.verdict.answers import Verdict

@@ -12,14 +12,7 @@ from typing import Any
 import numpy as np
 
 from master.outcome import Progress
-from master.soft.followed import (
-    ELSEWHERE,
-    LEAVE_OUT,
-    LOOSEN,
-    OF_UNSURE_SLIP,
-    ErrorPart,
-    Followed,
-)
+from master.soft.followed import ELSEWHERE, LEAVE_OUT, LOOSEN, OF_UNSURE_SLIP, ErrorPart, Followed
 from master.soft.in_time.idle_heat import Idle, without_weak_heat
 from master.soft.in_time.refining import balance_of
 from master.soft.inertia.energy_errors import EnergyError

@@ -206,8 +206,7 @@ def of_errors(verdict: Verdict) -> Iterator[Line]:
         )
         what = "not decided" if nothing else "not as asked"
         yield Line(
-            most,
-            f"{with_rules(f'{what} if {RULE}', rules, own)}: {why}{_instead(own, rules)}",
+            most, f"{with_rules(f'{what} if {RULE}', rules, own)}: {why}{_instead(own, rules)}"
         )
     yield from of_steady_sliding(verdict)
     yield from of_unstable_sliding(verdict)

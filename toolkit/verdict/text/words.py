@@ -7,14 +7,7 @@ import numpy as np
 from toolkit.scene.barriers import of_cold
 from toolkit.scene.scale import guarded, spoken, with_scatter
 from toolkit.verdict.answers import Answer, Verdict
-from toolkit.verdict.of_area import (
-    behaved,
-    disagreeing,
-    finite_told_apart,
-    subject,
-    verb,
-    whom_of,
-)
+from toolkit.verdict.of_area import behaved, disagreeing, finite_told_apart, subject, verb, whom_of
 from toolkit.verdict.sliders.late import EVER_RARER, shrinking
 from toolkit.verdict.sliders.records import Behaviour
 from toolkit.verdict.slips_in_words import (

@@ -51,12 +51,7 @@ class DelayedBody:
     """
 
     def __init__(
-        self,
-        contacts: Contacts,
-        drive: Drive,
-        path: DrivePath,
-        record: Record,
-        tolerance: float,
+        self, contacts: Contacts, drive: Drive, path: DrivePath, record: Record, tolerance: float
     ) -> None:
         """At rest, in balance, at t = 0; `tolerance` is that of the force, a length."""
         mass, spring = float(drive.mass or 0.0), float(drive.spring or 0.0)

@@ -160,26 +160,13 @@ class Collocation:
         elif births.all_before and births.born[-1] and distance >= self._shortest:
             sliding = Sliding.FAST
         contacts = PullOnPanel(
-            self._contacts,
-            self._law,
-            width,
-            past.delay,
-            state.x,
-            state.w,
-            holding,
-            births,
-            sliding,
+            self._contacts, self._law, width, past.delay, state.x, state.w, holding, births, sliding
         )
         found = self._newton(begin, width, drive, guess, contacts)
         return found and self._judged(begin, width, found, contacts)
 
     def _newton(
-        self,
-        begin: PanelBegin,
-        width: float,
-        drive: Array,
-        guess: Array,
-        contacts: PullOnPanel,
+        self, begin: PanelBegin, width: float, drive: Array, guess: Array, contacts: PullOnPanel
     ) -> Iterate | None:
         """Newton's method for the speeds at the nodes; None where it does not converge. `lack` is the left side at the
         head of this file; as X = X_0 + A W, its derivative by W is M + A (γ + dF/dW + (dF/dX + K) A)."""

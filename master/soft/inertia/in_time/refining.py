@@ -124,10 +124,7 @@ def _sliding(slider: HeavySlider, motion: Motion) -> dict[str, Any]:
     if not slides[-1].to_end:
         return {"note": note}
     beyond = slides[-1].steady_from - motion.times[-1]
-    return {
-        "note": note,
-        "steady_from": float(motion.positions[-1] + motion.speeds[-1] * beyond),
-    }
+    return {"note": note, "steady_from": float(motion.positions[-1] + motion.speeds[-1] * beyond)}
 
 
 def _largest(found: HeavyAnswer) -> float:
