@@ -181,7 +181,14 @@ def follow_by_contacts(
     if not common and not has_slid(found, contacts.mean_threshold):
         return not_followed(rule, NOT_SLID)
     told = Behaviour(
-        *(rule, "smooth", np.nan, np.nan, None, common, np.nan, True),
+        rule=rule,
+        kind="smooth",
+        before=np.nan,
+        after=np.nan,
+        period=None,
+        slips=common,
+        error=np.nan,
+        success=True,
         message=by_sliders(number),
         run_time=found.run_time,
         contacts=number,
