@@ -354,7 +354,10 @@ def test_a_period_has_its_own_error() -> None:
     """2 drive_error is not as large a part of the period as the error of the force is of that."""
     machine, contacts = Machine(0.05, 0.02, 0.01, 0.5), Contacts(WIDE, delay=Delay(3.0))
     one = replace(SLIDES, kind="stick-slip", after=-0.1, slips=9, period=9.09)
-    for off, said in ((1e-9, "every 9.090 length, "), (0.2, "every 9.1 ± 0.2 length, ")):
+    for off, said in (
+        (1e-9, "every 9.090 units of length, "),
+        (0.2, "every 9.1 ± 0.2 units of length, "),
+    ):
         told = replace(
             on_area(
                 replace(one, period_error=off), Finite("mass", 300, "smooth"), machine, contacts
@@ -608,10 +611,8 @@ def test_the_way_on_which_contacts_hold_is_that_of_their_share() -> None:
     told = on_area(SLIDES, Finite("mass", 300, "smooth"), machine, contacts)
     own = replace(told.own, holding=0.2)
     text = "\n".join(dependence(replace(told, answers=(own,))))
-    assert (
-        "waits while the drive goes on by 2.00 length, and holds while it goes on by 0.500 length: 20% of"
-        in text
-    )
+    said = "waits while the drive goes on by 2.00 units of length, "
+    assert f"{said}and holds while it goes on by 0.500 units of length: 20% of" in text
 
 
 def test_equal_periods_are_told_once_whatever_their_errors() -> None:
@@ -621,4 +622,4 @@ def test_equal_periods_are_told_once_whatever_their_errors() -> None:
     told = on_area(one, Finite("reset", 300, "smooth"), machine, contacts)
     both = one, replace(one, rule="reform-after", period_error=0.2)
     said = sentence(replace(told, answers=(replace(told.own, behaviours=both),), finite=()))
-    assert said.count("9.1 ± 0.2 length, ") == 1
+    assert said.count("9.1 ± 0.2 units of length, ") == 1

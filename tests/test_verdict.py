@@ -1334,7 +1334,9 @@ def test_forces_under_two_rules_are_told_each_with_its_own_error() -> None:
     assert re.search(r"^force before a slip \(reset\) +0.040 ± 0.020 N_c<k>·length$", text, re.M)
     told = r"^force before a slip \(reform-after\) +1.500 ± 0.002 N_c<k>·length$"
     assert re.search(told, text, re.M)
-    assert re.search(r"^period \(reform-after\) +15,120 length, 15,120 time$", text, re.M)
+    assert re.search(
+        r"^period \(reform-after\) +15,120 units of length, 15,120 units of time$", text, re.M
+    )
     assert "forces of the slider (reset): at most 5e-01\n" in text
 
 
@@ -1573,16 +1575,18 @@ def test_the_areas_own_contacts_stand_in_the_headline_and_in_the_table() -> None
         finite = Finite(own.rule, 300, "stick-slip", before, 1e-3, 0.0, 0.0, 5.0, period=70.0)
         found = with_contacts(own, finite)
         said, text = sentence(found), text_of(found)
-        first = "stick-slip: 700 ± 1 mN down to 0 N every 70.0 length, 70.0 time at 1.00 with the 300 contacts of "
-        first += "the area (800 mN down to 500 mN for infinitely many)"
+        first = "stick-slip: 700 ± 1 mN down to 0 N every 70.0 units of length, 70.0 units of time at 1.00 "
+        first += "with the 300 contacts of the area (800 mN down to 500 mN for infinitely many)"
         assert said == (first if told else "stick-slip: 800 mN down to 500 mN")
         if told:  # a mean that is known no better than itself has its error, on the page, too
             found = with_contacts(own, replace(finite, period_error=69.0))
-            assert "every 70 ± 69 length, 70 ± 69 time at" in sentence(found)
-            assert "70 ± 69 length, 70 ± 69 time" in text_of(found)
+            assert "every 70 ± 69 units of length, 70 ± 69 units of time at" in sentence(found)
+            assert "70 ± 69 units of length, 70 ± 69 units of time" in text_of(found)
         rows = dict(re.split(" {2,}", line)[:2] for line in text.splitlines() if "(reset)" in line)
         assert (rows.get("slips of 300 contacts, from (reset)") == "700 ± 1 mN down to 0 N") is told
-        assert (rows.get("period of 300 contacts (reset)") == "70.0 length, 70.0 time") is told
+        assert (
+            rows.get("period of 300 contacts (reset)") == "70.0 units of length, 70.0 units of time"
+        ) is told
         # what stands in brackets is told once
         assert ("force before a slip (reset)" in rows) is not told
         assert not any("infinitely many" in name for name in rows if name.startswith("force"))
@@ -1626,7 +1630,10 @@ def test_the_scatter_of_the_areas_contacts_is_told_as_scatter_and_not_as_an_erro
         # in the line below the headline, the table, and of what it hangs on in the file
         text += "\n".join(plain(found)["hangs_on"])
         assert text.count(begin) == 1 and text.count(begin.partition(": ")[2]) == 3
-        assert "every 70.0 length (scatter ± 6.8 length), 70.0 time at 1.00 with the 300" in text
+        assert (
+            "every 70.0 units of length (scatter ± 6.8 units of length), 70.0 units of time at 1.00 with the 300"
+            in text
+        )
         assert plain(found)["finite"][0]["befores"]["std"] == pytest.approx(0.02)
 
 

@@ -855,8 +855,9 @@ def test_rules_that_agree_on_slips_and_not_on_their_drop_say_so() -> None:
     """Both stick and slip, one by half as much as the other."""
     told = of(of_a_mass("stick-slip", 0.8))
     each = [replace(told.own.behaviours[0], rule="reset", after=0.0)]
-    apart = "0.8000 N_c<k>·length down to 0 N_c<k>·length every 800.0 length if a slip renews all contacts and "
-    apart += "0.8000 N_c<k>·length down to 0.4000 N_c<k>·length every 400.0 length if contacts re-form after the slip"
+    apart = "0.8000 N_c<k>·length down to 0 N_c<k>·length every 800.0 units of length if "
+    apart += "a slip renews all contacts and 0.8000 N_c<k>·length down to 0.4000 N_c<k>·length "
+    apart += "every 400.0 units of length if contacts re-form after the slip"
     for after, end in ((0.0, "all rules agree"), (0.4, f"all stick and slip, between {apart}")):
         each[0] = replace(each[0], period=800.0)
         other = replace(each[0], rule="reform-after", after=after, period=1e3 * (0.8 - after))

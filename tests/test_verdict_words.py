@@ -147,6 +147,22 @@ def test_a_slip_that_begins_past_the_peak_of_the_force_tells_the_peak() -> None:
         assert text.startswith(f"stick-slip: {before:.4f} {unit}{says} to 0 {unit}")
 
 
+def test_a_fast_drive_in_metres_names_the_heat_of_sliding() -> None:
+    """A drive of 1 m/s passed without a word: contacts are not warmed by sliding."""
+    found = told(slips("reset"))
+    own = replace(found.own, scale=replace(found.own.scale, length_unit="m", time_unit="s"))
+    for velocity, hot in ((1.0, True), (1e-3, False)):
+        lines = dependence(replace(found, answers=(own,), velocity=velocity))
+        named = [one for one in lines if one.startswith("heat of sliding, which is left out: ")]
+        assert bool(named) is hot and all("at 1.00 m/s" in one for one in named)
+
+
+def test_periods_without_si_units_are_in_units_of_length_and_time() -> None:
+    """They were told as "every 70.0 length, 70.0 time"."""
+    text = page(told(slips("reset", period=70.0)))[2]
+    assert "every 70.00 units of length, 70.00 units of time at 1.00" in text
+
+
 @pytest.mark.parametrize("other", [(0.7, 0.4), (0.9, 0.3)])
 def test_slips_of_two_sizes_are_not_told_as_one_range(other: tuple[float, float]) -> None:
     """Slips of 0.6 to 0 and 0.7 to 0.4 stood as 0.6 to 0.7 down to 0 to 0.4; so may those of one drop."""

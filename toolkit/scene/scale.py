@@ -12,6 +12,9 @@ from origins.thresholds.law import Thresholds
 PREFIXES = {-15: "f", -12: "p", -9: "n", -6: "µ", -3: "m", 0: "", 3: "k", 6: "M", 9: "G", 12: "T"}
 # units that take a prefix
 PREFIXED = ("N", "N/m", "N/m³", "m", "s", "Pa", "m/s")
+# units of a scene without SI units, in words
+_OWN = "length", "time", "length/time"
+_IN_WORDS = {unit: f"units of {unit.replace('/', ' per ')}" for unit in _OWN}
 # of the largest of some forces: a smaller one of them is round-off, and none
 ROUNDING = 1e-12
 # first digits of an uncertainty below which a value has one digit more
@@ -141,6 +144,7 @@ def of_surface(
 def written(value: float, unit: str, uncertainty: float = 0.0, digits: int = 3) -> str:
     """A value with an SI prefix before its unit, to the digit of its uncertainty, with two digits at least and
     at most so many; units that take no prefix are written as powers of ten, nan as "not known", inf as "infinite"."""
+    unit = _IN_WORDS.get(unit, unit)
     if np.isnan(value):
         return "not known"
     if not np.isfinite(value):
@@ -193,9 +197,7 @@ def _significant_digits(value: float, uncertainty: float) -> int:
 
 def spoken(value: float, unit: str) -> str:
     """As `written`, and of thresholds in a unit of their own as "0.3 units of time"."""
-    own = {"length": "units of length", "time": "units of time"}
-    own["length/time"] = "units of length per time"
-    return f"{value:.3g} {own[unit]}" if unit in own else written(value, unit)
+    return f"{value:.3g} {_IN_WORDS[unit]}" if unit in _IN_WORDS else written(value, unit)
 
 
 def with_uncertainty(value: float, error: float, unit: str, digits: int = 4) -> str:
@@ -263,6 +265,7 @@ def _with_one_prefix(value: float, error: float, told: float, unit: str, digits:
         # of what is rounded up to a power of ten that has a prefix
         power = _power_of(_cut(larger, int(np.floor(np.log10(larger))) - last + 1), unit)
         return _beside(value, told, last, power, f" {PREFIXES[power]}{unit}")
+    unit = _IN_WORDS.get(unit, unit)
     return f"{_beside(value, told, last, power_of_size(larger))} {unit}".strip()
 
 

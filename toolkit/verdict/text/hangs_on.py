@@ -36,6 +36,9 @@ from toolkit.verdict.uncertainty import WORTH_TELLING, uncertainties_of, widest_
 # lines of the page; the others are in verdict.json
 MOST = 8
 
+# m/s, measured on rocks; of other materials and contacts it is another, which no scene knows
+FLASH = 0.1
+
 
 def dependence(verdict: Verdict) -> list[str]:
     """What the verdict hangs on, in full, the worst first."""
@@ -84,6 +87,13 @@ def _of_a_speed(verdict: Verdict) -> Iterator[Line]:
         given = "none is given, and 1 m/s is taken"
         yield Line(
             TURNS if decides else UNSIZED, f"the speed: {given}; {what}: give drive.velocity"
+        )
+    if verdict.velocity_given and own.scale.length_unit == "m" and verdict.velocity >= FLASH:
+        fast, flash = (own.scale.speed(one) for one in (verdict.velocity, FLASH))
+        yield Line(
+            UNSIZED,
+            f"heat of sliding, which is left out: the drive goes at {fast}, and contacts of rocks weaken by flash "
+            f"heating above some {flash} (Goldsby and Tullis, Science 334, 216, 2011)",
         )
     barriers, first = of_barriers(own.contacts), doubts(own.contacts)
     for one in of_laws(own.contacts):
