@@ -128,8 +128,8 @@ def _draw_a04(axes: Any) -> None:
         label="mass kept: weight below 0",
     )
     axes[2].set(title="A04: what (Q15) does not keep", xlabel="$X$", ylabel="defect")
-    axes[2].annotate("contacts outrun $P_c$", (0.38, 0.12), xycoords="axes fraction", color="0.4")
-    axes[2].legend(fontsize="small", loc="center right")
+    axes[2].annotate("contacts outrun $P_c$", (0.45, 0.2), xycoords="axes fraction", color="0.4")
+    axes[2].legend(fontsize="x-small", loc="center right", handlelength=1.5)
 
 
 def _draw_a05(histogram: Any, curve: Any) -> None:
@@ -145,8 +145,8 @@ def _draw_a05(histogram: Any, curve: Any) -> None:
     histogram.set(
         title="A05: steady $P_c$ of (Q15)", xlabel="threshold $x$", ylabel="$P_c$", yscale="log"
     )
-    histogram.set(ylim=(1e-3, 60.0))
-    histogram.legend(title="$D_X$", fontsize="small")
+    histogram.set(ylim=(1e-3, 3e3))
+    histogram.legend(title="$D_X$", fontsize="small", loc="upper center", ncols=3)
     v = np.geomspace(1.0, 1e7, 57)
     exact, paper = (master.kinetic_curve(a05(closure), v) for closure in ("exact", "paper"))
     print(
