@@ -1,13 +1,11 @@
 """The picture of a sweep: F_k, K* where it was asked for, and the swings of a spring's force."""
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from typing import Any, cast
 
 import numpy as np
 from numpy.typing import NDArray
 
-from master.rate_state.result import CONSTANT
-from master.rate_state.speeds import constant_between
 from origins.thresholds.law import Array
 from toolkit.pictures.axes import (
     force_name,
@@ -18,6 +16,7 @@ from toolkit.pictures.axes import (
     spring_name,
     style_of,
 )
+from toolkit.pictures.slope import draw_slope
 from toolkit.results.points import SweepRecord, force_factors, key_units, without_unit
 from toolkit.results.records import Result
 from toolkit.scene.scale import PREFIXED, SHARED, written
@@ -36,8 +35,6 @@ _SYMBOLS |= {"kelvin": "temperature $T$", "rate": "rate of ageing", "delay": r"d
 _SYMBOLS |= {"drive.velocity": "speed of the drive $v$", "drive.area": "nominal area $A$"}
 _SHARED_SPRING = r"spring $K/(N_c\langle k\rangle)$"
 _SPEEDS = ("velocity", "drive.velocity")
-# last over first of the speeds along which F_k is a straight line of ln v; along fewer its slope says little
-_STRAIGHT = 100.0
 # columns of F_k, where they stand alone
 _OF_RIGID = ["force"], ["kinetic_force"]
 # mean force before all slips of the ensemble's sliders
@@ -61,20 +58,8 @@ def plot_points(
     x, unit = _numbers(sweep[first].ravel())
     name = name or ("force" if sweep.smooth else "kinetic_force")
     units = key_units(sweep.along, result.scale)
-    columns, unmarked = {name: ""}, ""
-    if name == "kinetic_force" and (slips := _of_slips(sweep)):
-        columns = slips | {name: "kinetic force $F_k$, rigid slider"}
-        if others:  # whose lines are many: one column, and the axis has room for its name alone
-            named, _, unmarked = next(iter(slips.values())).partition(" (no mark")
-            columns = {next(iter(slips)): in_lines(named, _SHORT_LINE)}
-    each = {key: sweep[key].ravel() for key in others}
-    short = last_words(others)
-    lines = [
-        ", ".join(
-            f"{short[key]} = {_written(own[row], units.get(key, ''))}" for key, own in each.items()
-        )
-        for row in range(x.size)
-    ]
+    columns, unmarked = _columns_of(sweep, name, others)
+    lines = _names_of_lines(sweep, others, units)
     # of keys on which nothing hangs one value each
     unused = [sweep[key].ravel() for key in sweep.along if key not in (first, *others)]
     shown = np.logical_and.reduce([own == own[0] for own in unused] or [np.full(x.size, True)])
@@ -88,28 +73,68 @@ def plot_points(
             style = style_of(number) | {"ms": 4, "lw": 1.2, "capsize": 2, "label": names[k] or said}
             style |= dict.fromkeys(("markevery", "errorevery"), max(rows.size // _MARKED, 1))
             if first in _SPEEDS and column in ("force", "kinetic_force"):
-                slope = _draw_slope(axes, x[rows], value[rows], error[rows], style["color"])
+                slope = draw_slope(axes, x[rows], value[rows], error[rows], style["color"])
                 sloped |= slope != 0.0
-                said = f"slope $dF_k/d\\,\\ln v$ = {written(slope, result.scale.force_unit)}"
-                style["label"] = ", ".join(filter(None, [style["label"], said * (slope != 0.0)]))
+                told = f"slope $dF_k/d\\,\\ln v$ = {written(slope, result.scale.force_unit)}"
+                style["label"] = ", ".join(filter(None, [style["label"], told * (slope != 0.0)]))
             axes.errorbar(x[rows], value[rows], error[rows], **style)
             if column == next(iter(columns)) and undecided[rows].any():
-                height = np.full(undecided[rows].sum(), _LOWEST + k_th * _NEXT)
-                hollow: dict[str, Any] = {"color": style["color"], "marker": style["marker"]}
-                hollow |= {"mfc": "none", "ls": "", "ms": 5, "label": "_"}
-                hollow["transform"] = axes.get_xaxis_transform()
-                axes.plot(x[rows][undecided[rows]], height, **hollow)
+                _mark_undecided(axes, x[rows][undecided[rows]], _LOWEST + k_th * _NEXT, style)
             number += 1
     if undecided.any():
         axes.plot([], [], "o", color="0.4", mfc="none", ms=5, label=_NOT_DECIDED)
     if unmarked:
         axes.plot([], [], " ", label=f"no mark{unmarked.removesuffix(')')}")
+    _scale(axes, x, _drawn(result, name)[0], name)
+    name_axis(axes.xaxis, *_axis_of_key(first, unit or units.get(first, "")))
+    marked = name in ("critical_spring", "kinetic_force") and _mark_critical(axes, result)
+    # last, as a scale that is set anew has ticks of its own, without the prefix of the unit
+    name_axis(axes.yaxis, *_axis_of(name, columns, result))
+    # the panels below that of the forces have the same lines
+    told_more = others or marked or sloped or undecided.any()
+    if len(columns) > 1 or (told_more and name in ("force", "kinetic_force")):
+        legend_above(axes, letters=_LETTERS)
+    return axes
+
+
+def _columns_of(sweep: SweepRecord, name: str, others: Sequence[str]) -> tuple[dict[str, str], str]:
+    """The columns that are drawn with what the legend says of them, for F_k with the forces of slips where there are
+    any; and, where the axis has no room for it, which points have no mark."""
+    if name != "kinetic_force" or not (slips := _of_slips(sweep)):
+        return {name: ""}, ""
+    if not others:
+        return slips | {name: "kinetic force $F_k$, rigid slider"}, ""
+    # whose lines are many: one column, and the axis has room for its name alone
+    named, _, unmarked = next(iter(slips.values())).partition(" (no mark")
+    return {next(iter(slips)): in_lines(named, _SHORT_LINE)}, unmarked
+
+
+def _names_of_lines(
+    sweep: SweepRecord, others: Sequence[str], units: Mapping[str, str]
+) -> list[str]:
+    """Of each point the values of these keys, which name its line."""
+    each, short = {key: sweep[key].ravel() for key in others}, last_words(others)
+    return [
+        ", ".join(
+            f"{short[key]} = {_written(own[row], units.get(key, ''))}" for key, own in each.items()
+        )
+        for row in range(sweep[sweep.along[0]].size)
+    ]
+
+
+def _mark_undecided(axes: Any, x: Array, height: float, style: Mapping[str, Any]) -> None:
+    """Hollow marks, in the style of their line, at this height of the axes: points that are not decided."""
+    hollow: dict[str, Any] = {"color": style["color"], "marker": style["marker"]}
+    hollow |= {"mfc": "none", "ls": "", "ms": 5, "label": "_"}
+    axes.plot(x, np.full(x.size, height), transform=axes.get_xaxis_transform(), **hollow)
+
+
+def _scale(axes: Any, x: Array, value: Array, name: str) -> None:
+    """Logarithmic axes where numbers go over decades; else the other axis from 0, where changes are small."""
     # points without a value, as those without slips, are on the axis, too
     axes.update_datalim(np.column_stack([x, x]), updatey=False)
     if x.min() > 0.0 and x.max() > _LOG_FROM * x.min():
         axes.set_xscale("log")
-    name_axis(axes.xaxis, *_axis_of_key(first, unit or units.get(first, "")))
-    value, _ = _drawn(result, name)
     least, most = np.nanmin(value), np.nanmax(value)
     if least > 0.0 and most > _LOG_FROM * least:
         axes.set_yscale("log")
@@ -117,14 +142,6 @@ def plot_points(
         top, lowest = 1.15 * max(axes.get_ylim()[1], most), axes.dataLim.y0
         # room below marks at 0, as those after a slip, and below
         axes.set_ylim(min(lowest - _ROOM * top, 0.0) if lowest <= 0.0 else 0.0, top)
-    marked = name in ("critical_spring", "kinetic_force") and _mark_critical(axes, result)
-    # last, as a scale that is set anew has ticks of its own, without the prefix of the unit
-    name_axis(axes.yaxis, *_axis_of(name, columns, result))
-    # the panels below that of the forces have the same lines
-    told = others or marked or sloped or undecided.any()
-    if len(columns) > 1 or (told and name in ("force", "kinetic_force")):
-        legend_above(axes, letters=_LETTERS)
-    return axes
 
 
 def _axis_of_key(key: str, unit: str) -> tuple[str, str]:
@@ -132,26 +149,6 @@ def _axis_of_key(key: str, unit: str) -> tuple[str, str]:
     if key == "drive.spring":
         return (_SHARED_SPRING, "") if unit in ("", SHARED) else ("spring $K$", unit)
     return _SYMBOLS.get(key, key), unit
-
-
-def _draw_slope(axes: Any, speed: Array, force: Array, error: Array, color: str) -> float:
-    """dF_k/d ln v where it is steepest, drawn as a pale line where it is constant within CONSTANT. It is 0 and nothing
-    is drawn where these speeds are fewer than _STRAIGHT asks for, or the errors of F_k do not tell it."""
-    if speed.size < 4 or not (speed[0] > 0.0 and (np.diff(speed) > 0.0).all()):
-        return 0.0
-    log, steps = np.log(speed), np.diff(np.log(speed))
-    slopes = np.gradient(force, log)
-    if not np.isfinite(slopes).any():
-        return 0.0
-    steepest = int(np.nanargmax(np.abs(slopes)))
-    slope, room = float(slopes[steepest]), CONSTANT * abs(float(slopes[steepest]))
-    low, high = constant_between(speed, slopes, steepest, room)
-    if high < _STRAIGHT * low or 2.0 * error.max() > room * steps.min():
-        return 0.0
-    at = np.geomspace(low, high, 50)  # as the axis of F_k may be logarithmic
-    line = force[steepest] + slope * np.log(at / speed[steepest])
-    axes.plot(at, line, color=color, lw=7.0, alpha=0.25, solid_capstyle="butt", zorder=1)
-    return slope
 
 
 def _mark_critical(axes: Any, result: Result) -> bool:
