@@ -276,3 +276,30 @@ def test_ten_thousand_slips_of_one_exact_threshold_are_taken() -> None:
     assert found.slips.force_after == pytest.approx(1.0 / (1.0 + spring), rel=1e-9)
     # the last slip was at X_T = 5000, where X = 4900
     assert found.force[1] == pytest.approx((1.0 + 0.3 * spring) / (1.0 + spring), abs=1e-9)
+
+
+def test_a_law_of_scipy_is_asked_for_its_survival_a_few_thousand_times(monkeypatch):
+    law = stats.gamma(4.0 / 3.0)
+    contacts, path = origins.Contacts(law), np.linspace(0.0, 2.0 * law.mean(), 11)
+    asked, survival = [], type(contacts.thresholds)._sf
+    monkeypatch.setattr(
+        type(contacts.thresholds),
+        "_sf",
+        lambda law, x: asked.append(np.size(x)) or survival(law, x),
+    )
+    found = master.solve(contacts, path, 1e-8, spring=0.1)
+    few = sum(asked)
+    # the law itself at every point, as of laws whose survival is cheap
+    monkeypatch.setattr(contacts.thresholds, "quick", True)
+    exact = master.solve(contacts, path, 1e-8, spring=0.1)
+    assert found.success and few < 20_000 < sum(asked) - few
+    assert np.abs(found.force - exact.force).max() <= found.force_error * law.mean()
+
+
+def test_a_law_whose_density_diverges_at_an_end_is_asked_itself():
+    assert origins.Contacts(stats.beta(2.0, 0.5)).thresholds.quick
+    assert not origins.Contacts(stats.gamma(0.5)).thresholds.quick
+    mixed = origins.mixture(
+        [origins.gaussian(1.0, 0.2), origins.Contacts(stats.gamma(2.0)).thresholds], [0.5, 0.5]
+    )
+    assert not mixed.quick

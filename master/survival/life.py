@@ -244,14 +244,14 @@ class ColdLife(LawLife):
     """Contacts that break only at their thresholds, T = 0: E = S(m)/S(|r|), m the largest |x| so far
     (paper, Eq. Nik04); a Life."""
 
-    quick = timeless = True
+    timeless = True
 
     def __init__(
         self, contacts: Contacts, coefficient_limit: float = Life.coefficient_limit
     ) -> None:
         """Find where the survival bends; InputError where P_c has weight too near to 0."""
         law = contacts.thresholds
-        self._mean = contacts.mean_threshold
+        self.quick, self._mean = law.quick, contacts.mean_threshold
         self.coefficient_limit = coefficient_limit
         beneath = float(law.cdf(LOWEST * self._mean))
         if beneath > MOST_BELOW_LOWEST:
