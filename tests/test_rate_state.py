@@ -571,7 +571,9 @@ def test_what_is_below_its_error_is_not_told() -> None:
     assert not found.success and "a lower tolerance" in found.message
     assert found.a.error > abs(found.a.value) and not found.rests
     assert np.isnan(found.critical_spring) and np.isnan(found.critical_spring_solved)
+    found = replace(found, run_time=381.0)  # it was told as 3.8e+02 s
     lines = page(Judged("idle", "idle", Scale(), found, 1.0, 0.1, 0.2))
+    assert lines[-1] == "run time 381.0 s"
     rows = {line[:16].strip(): line[16:].split() for line in lines}
     for name in ("direct effect a", "evolution effect", "slip distance D_"):
         assert rows[name][-2:] == ["not", "known"], lines

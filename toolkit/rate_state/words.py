@@ -23,7 +23,7 @@ def page(judged: Judged) -> list[str]:
     lines += [*_of_law(judged), *_of_rests(judged), *_of_springs(judged)]
     if not found.success:
         lines.append(f"not as asked: {found.message}")
-    return [*lines, "", f"run time {found.run_time:.2g} s"]
+    return [*lines, "", f"run time {found.run_time:.1f} s"]
 
 
 def table(judged: Judged) -> list[str]:
