@@ -21,9 +21,9 @@ LARGEST = 2.0**61  # largest position, in units: sums of two are whole numbers o
 ROUND_OFF = 1e-12
 
 
-class Replicas:
-    """Follows replicas, a block each, on the slider that `drive` pulls; a slip breaks at least `slip_fraction` of
-    the contacts (None: 0.2). `dropped` says, asked now and then, whether to give up the one that is followed."""
+class CoupledSliders:
+    """Replicas, a block each, on a slider that `drive` pulls; a slip breaks at least `slip_fraction` of the contacts
+    (None: 0.2). `dropped` says, asked now and then, whether to give up the one that is followed."""
 
     MOST = 1 << 31  # largest number of contacts of a replica
     nothing = State()
@@ -37,16 +37,30 @@ class Replicas:
         slip_fraction: float | None,
         dropped: Callable[[], bool] | None = None,
     ) -> None:
-        """Choose the unit and the buckets of waiting breaks; InputError for what is not followed on a soft slider."""
-        from eq_model.coupled.queue_kernel import bucket_bits, ring_bits
+        """Choose the unit of length; InputError for what is not followed, and for what would take too long."""
         from eq_model.draws.births import births_of
 
         check_coupled(contacts, drive)
         self._contacts, self._drive, self._seed, self.blocks = contacts, drive, seed, blocks
         self._dropped = dropped
-        self._n = n = blocks.each
-        self.slip_fraction, self._unit = checked_slip_fraction(slip_fraction), unit_of(contacts)
+        self._n, self._unit = blocks.each, unit_of(contacts)
+        self.slip_fraction = checked_slip_fraction(slip_fraction)
         self._births = births_of(contacts, self._unit)
+        self._prepare()
+
+    def _prepare(self) -> None:
+        """Make what sliders of this kind need; InputError for paths that are not followed."""
+        raise NotImplementedError
+
+
+class Replicas(CoupledSliders):
+    """Follows replicas on a slider without mass."""
+
+    def _prepare(self) -> None:
+        """Choose the buckets of waiting breaks, and how many breaks are followed at most."""
+        from eq_model.coupled.queue_kernel import bucket_bits, ring_bits
+
+        contacts, drive, n = self._contacts, self._drive, self._n
         law, mean = contacts.thresholds, contacts.mean_threshold
         numbered = contacts.growing is not None or contacts.thermal is not None
         self._shift = bucket_bits(

@@ -1,6 +1,5 @@
 """Replicas of coupled contacts on a slider with mass: following one, and the result of all."""
 
-from collections.abc import Callable
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -8,16 +7,14 @@ import numpy as np
 from eq_model.blocks import Blocks, State, check_dropped
 from eq_model.coupled.ensemble import (
     LARGEST,
-    check_coupled,
-    checked_slip_fraction,
+    CoupledSliders,
     few_contacts,
     refuse_beyond,
-    unit_of,
 )
 from eq_model.coupled.mass.chance import fall_by_chance
 from eq_model.coupled.work import growth, often_by_heat, slower_by_own_law, static_force
 from eq_model.result import SIZES, Energy, HeavySlips, means
-from origins import Contacts, Drive
+from origins import Drive
 from origins.drive import RISE, ROOM, SLIP_FRACTION
 from origins.errors import InputError, refuse
 from origins.thresholds.law import Array
@@ -45,37 +42,17 @@ class DriveLegs(NamedTuple):
     lasts: Array
 
 
-class HeavySliders:
-    """Follows replicas, a block each, on the slider with mass that `drive` pulls; a slip breaks at least
-    `slip_fraction` of the contacts that held (None: 0.2). `dropped` says, asked now and then, whether to give up the
-    one that is followed."""
+class HeavySliders(CoupledSliders):
+    """Follows replicas on a slider with mass, of which a slip breaks a share of the contacts that held."""
 
-    MOST = 1 << 31  # largest number of contacts of a replica
-    nothing = State()
-
-    def __init__(
-        self,
-        contacts: Contacts,
-        drive: Drive,
-        blocks: Blocks,
-        seed: int,
-        slip_fraction: float | None,
-        dropped: Callable[[], bool] | None = None,
-    ) -> None:
-        """Choose the unit of length; InputError for what is not followed, and for what would take too long."""
+    def _prepare(self) -> None:
+        """Choose how many breaks are followed at most; InputError for paths that are too long."""
         from eq_model.coupled import heat
-        from eq_model.draws.births import births_of
 
-        check_coupled(contacts, drive)
-        self.slip_fraction = checked_slip_fraction(slip_fraction)
-        self._contacts, self._drive, self._seed, self.blocks = contacts, drive, seed, blocks
-        self._dropped = dropped
-        self._n, self._unit = blocks.each, unit_of(contacts)
-        by_heat = heat.SLOWER if contacts.thermal else 1
-        by_age = SLOWER if contacts.growing else 1
-        slower = max(by_age, by_heat) * slower_by_own_law(contacts)
+        by_heat = heat.SLOWER if self._contacts.thermal else 1
+        by_age = SLOWER if self._contacts.growing else 1
+        slower = max(by_age, by_heat) * slower_by_own_law(self._contacts)
         self._most_breaks = MOST_BREAKS // int(slower)
-        self._births = births_of(contacts, self._unit)
         self._check_length()
 
     def _check_length(self) -> None:
