@@ -11,7 +11,6 @@ from master.soft.in_time.contacts import MOST_STEPS, ContactsInSteps
 from master.soft.in_time.creep import Creep
 from master.soft.in_time.decohered import Decohered
 from master.soft.in_time.groups import UNACCOUNTED
-from master.soft.in_time.pace import Pace
 from master.soft.in_time.slip_begins import SlipBegins
 from master.soft.in_time.slip_ends import slip_with_births, slip_without_births
 from master.soft.in_time.steps import Node, Steps
@@ -69,7 +68,6 @@ class Slider:
         """Before the first step; `run` takes all of them."""
         self.contacts, self.motion, self._least_drop = contacts, motion, least_drop
         self._decohered, self._creep = decohered, creep
-        self._pace = Pace(contacts, drive, motion)
         self.creeps_from: float | None = None
         self.steady_from = np.inf
         self._halvings_to_come = max(needed - contacts.halvings, 0)
@@ -104,8 +102,6 @@ class Slider:
                 end = min([*contacts.past_breaks.pending, last])
                 self.begin_section(leg, end)
                 if self.slide(end):
-                    drops = [abs(slip.force_before - slip.force_after) for slip in self.slips]
-                    self._pace.at_slip(self.sections, drops)
                     self.slip(self._drive_position())
                     self._stop_if_too_many_steps(last)
                     self.remember_if_new(new_since)
@@ -148,7 +144,6 @@ class Slider:
                 contacts.take(trial, taken)
                 nodes.append(self.node_now(nodes[-1].sizes_so_far + taken))
                 steps.check_balance("a step", imbalance, nodes[-1])
-                self._pace.after_step(nodes, end)
         if slips and contacts.delay:
             self._bound_error_of_delay(nodes)
         if slips and len(nodes) < OF_CURVE and self._begins_at_bend(nodes):
