@@ -86,9 +86,20 @@ QUESTIONS = {
         "toolkit:kind_of",
         "toolkit/verdict/sliders/follow.py:follow",
     ),
-    "forces before and after a slip for a verdict; in its sentence": (
+    "forces before and after a slip for a verdict; the peak before it; in its sentence": (
         "toolkit:behaviour_of",
+        "toolkit:past_peak",
         "toolkit:_behaved",
+    ),
+    "what survives at T = 0: of a law; from a table of it; laws of scipy, of which a table is made": (
+        "master:ColdLife",
+        "master:Straight",
+        "origins:FrozenThresholds",
+    ),
+    "what is refused before the work on a soft spring: at T = 0; a delay, and ageing, in steps of time": (
+        "master:refuse_endless_slips",
+        "master:refuse_long_delays",
+        "master:refuse_slips_of_the_aged",
     ),
     "the period of slips: of a solution; of an ensemble's late slips": (
         "master:Slips.period",

@@ -290,16 +290,16 @@ def test_a_law_of_scipy_is_asked_for_its_survival_a_few_thousand_times(monkeypat
     found = master.solve(contacts, path, 1e-8, spring=0.1)
     few = sum(asked)
     # the law itself at every point, as of laws whose survival is cheap
-    monkeypatch.setattr(contacts.thresholds, "quick", True)
+    monkeypatch.setattr(contacts.thresholds, "asked_itself", True)
     exact = master.solve(contacts, path, 1e-8, spring=0.1)
     assert found.success and few < 20_000 < sum(asked) - few
     assert np.abs(found.force - exact.force).max() <= found.force_error * law.mean()
 
 
 def test_a_law_whose_density_diverges_at_an_end_is_asked_itself():
-    assert origins.Contacts(stats.beta(2.0, 0.5)).thresholds.quick
-    assert not origins.Contacts(stats.gamma(0.5)).thresholds.quick
+    assert origins.Contacts(stats.beta(2.0, 0.5)).thresholds.asked_itself
+    assert not origins.Contacts(stats.gamma(0.5)).thresholds.asked_itself
     mixed = origins.mixture(
         [origins.gaussian(1.0, 0.2), origins.Contacts(stats.gamma(2.0)).thresholds], [0.5, 0.5]
     )
-    assert not mixed.quick
+    assert not mixed.asked_itself

@@ -8,7 +8,8 @@ the slider; both give a `Followed` (`followed.py`):
   along a move (`curve.py`), which tells where slips begin and end, far ahead by waves (`decohered.py`); what a turn
   does to errors (`turns.py`); slips that become alike are repeated (`limit_cycle.py`); whether slips hang on heat
   that is left out (`left_out.py`, `first_fall.py`); ways that are refused before the work (`too_long.py`);
-- `in_time/`, in steps of time, where one does: `refined` in its `refining.py`.
+- `in_time/`, in steps of time, where one does: `refined` in its `refining.py`, which first refuses what takes too many
+  (its functions `refuse_...`).
 
 Then `regime.py` judges the slips (`slips.py`), at T = 0 those beyond the path, too (`slips_ahead.py`): whether their
 drops fade (`drops.py`), and, with a mass, whether they are but swings of its start (`unfed_swings.py`). Of a

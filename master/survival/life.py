@@ -84,7 +84,7 @@ class Life:
         largest |x| bends; where thresholds change, they may be largest anywhere, and be 0 on both sides
     marks : array of shape (n,), where `quick`: |x| between which the survival is nearly a polynomial
     resolution_length : length over which the survival has to be resolved
-    quick : whether `survival_and_force`, for births at one stretch, takes no longer than a look-up in a table
+    quick : whether `survival_and_force`, for births at one stretch, is asked itself, and no table of it is made
     pair_work : work of `survival_and_force` for one birth at one instant, in look-ups in a table; 1 if it is no sum
     timeless : whether the survival depends only on the distance moved, and not on the time that it took
     error : the least error of a survival that `survival_and_force` can return; each query returns its own, too
@@ -251,7 +251,7 @@ class ColdLife(LawLife):
     ) -> None:
         """Find where the survival bends; InputError where P_c has weight too near to 0."""
         law = contacts.thresholds
-        self.quick, self._mean = law.quick, contacts.mean_threshold
+        self.quick, self._mean = law.asked_itself, contacts.mean_threshold
         self.coefficient_limit = coefficient_limit
         beneath = float(law.cdf(LOWEST * self._mean))
         if beneath > MOST_BELOW_LOWEST:

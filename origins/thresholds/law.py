@@ -65,7 +65,8 @@ class Thresholds:
     in_metres : whether its lengths are metres without that, as of samples whose unit is given.
     domains : DomainSamples, barriers, angles and sizes of the islands, where the law is that of rotated domains.
     cut_weight : weight of a given distribution at or below x = 0 that was cut off; the rest is normalised.
-    quick : whether the survival takes no longer than a look-up in a table, some 0.1 µs a number.
+    asked_itself : whether solvers ask for the survival at each point; else they make a table of it, of some thousand
+        points, as one takes longer than a look-up, some 0.1 µs.
     """
 
     onset_power: float = np.inf
@@ -74,7 +75,7 @@ class Thresholds:
     in_metres: bool = False
     domains: Any = None
     cut_weight: float = 0.0
-    quick: bool = True
+    asked_itself: bool = True
     _support: tuple[float, float] = (0.0, np.inf)
 
     def __repr__(self) -> str:

@@ -108,7 +108,7 @@ class Mixture(Thresholds):
         self.onset_power, self.onset_power_error = first.onset_power, first.onset_power_error
         self.breakpoints = np.unique(np.concatenate([c.breakpoints for c in self.components]))
         self.cut_weight = float(self.weights @ [part.cut_weight for part in self.components])
-        self.quick = all(part.quick for part in self.components)
+        self.asked_itself = all(part.asked_itself for part in self.components)
         atoms = zip(self.components, weights.tolist(), strict=True)
         x, fractions = np.hstack([(c.atoms[0], weight * c.atoms[1]) for c, weight in atoms])
         places, index = np.unique(x, return_inverse=True)

@@ -150,9 +150,10 @@ class FrozenThresholds(ScipyDensity):
             raise InputError(f"thresholds: {hint}; use another distribution")
         super().__init__(distribution, ends, below)
         # scipy takes 0.2 µs for a survival of gamma and 3 µs for one of beta, so that a table is quicker; but where
-        # the density diverges at an end, as of arcsine, a table to rounding would take too many pieces
-        beyond_0 = np.array([end for end in ends if 0.0 < end < np.inf])
-        self.quick = bool(np.isinf(self._ask("pdf", beyond_0)).any())
+        # the density diverges at an end, as of arcsine, a table to rounding would take too many pieces (not at 0, whose
+        # neighbourhood it resolves)
+        above_0 = np.array([end for end in ends if 0.0 < end < np.inf])
+        self.asked_itself = bool(np.isinf(self._ask("pdf", above_0)).any())
 
     def _logpdf(self, x: Array) -> Array:
         density = self._ask("logpdf", x)

@@ -61,7 +61,7 @@ def passed_by_eyring(x: Array, threshold: Array) -> Array:
 
 
 def eyring() -> list[Case | Question]:
-    """Eyring's α from its least to its largest, and attempts that are all but continuous."""
+    """Eyring's α from below its least to its largest, and attempts from rare to all but continuous."""
 
     def contacts(width: float, attempts: float = 1.0) -> Contacts:
         return Contacts(PEAK, thermal=origins.Thermal("eyring", None, attempts, width=width))
@@ -77,8 +77,8 @@ def eyring() -> list[Case | Question]:
     for attempts in (1e-9, 1e6, 1e12):
         name = f"ω<x_s>/v = {attempts:g}, α = 0.03"
         still = truths.without_laws(1e-8, "T = 0, in closed form") if attempts < 1.0 else None
-        warm = partial(contacts, 0.03, attempts)
-        found.append(Case(group, name, warm, FORWARD, still, n_contacts=20_000))
+        heated = partial(contacts, 0.03, attempts)
+        found.append(Case(group, name, heated, FORWARD, still, n_contacts=20_000))
     return found
 
 

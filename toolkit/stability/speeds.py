@@ -1,4 +1,4 @@
-"""Extremes of the speed: F far below and above every attempt of heat, and a - b of rate and state."""
+"""Extremes of the speed: F far below and above the speeds at which heat acts, and a - b of rate and state."""
 
 from functools import partial
 

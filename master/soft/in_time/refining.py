@@ -209,11 +209,12 @@ def refuse_slips_of_the_aged(contacts: Contacts, drive: Drive) -> None:
     """InputError where contacts that age are pulled beyond their static force under "instant" by a soft spring.
 
     They creep far before a slip, and behind a long one F is that of fresh contacts, on which it seeks its balance in
-    many small slips. As long as no contact has formed anew, a share S(x) of them bears x: at most the largest x S(x) of
-    fresh thresholds and of old ones.
+    many small slips. From relaxed contacts, as long as none has formed anew, a share S(x) of them bears x: at most the
+    largest x S(x) of fresh thresholds and of old ones. Others, and those with linked stiffness, are not refused here.
     """
     ageing, spring = contacts.ageing, float(drive.spring or 0.0)
-    alone = contacts.laws == ("ageing",)
+    relaxed = contacts.start.span == (0.0, 0.0) and contacts.stiffness == "independent"
+    alone = contacts.laws == ("ageing",) and relaxed
     if ageing is None or drive.slip != "instant" or not alone or spring >= SOFT_FOR_AGED:
         return
     shares = (np.arange(QUANTILES) + 0.5) / QUANTILES

@@ -15,7 +15,7 @@ from origins.errors import refuse
 # no other one within 5 to 13 s.
 MOST_OSCILLATIONS = 1e6
 # Ringing fades by so many e-folds until it counts as rest.
-FADES = 10.0
+E_FOLDS_TO_REST = 10.0
 # Swings on the spring and delays after the first slip beyond which an undamped slider is refused. Contacts come back
 # after each delay, and break on some hundred panels: of 6 drawn with 380 to 750 delays none was followed for more than
 # a fourth of its way in 12 CPU-seconds, and an answer takes several runs. That they swing so long is true: of 26
@@ -52,7 +52,7 @@ def _usual_damping(drive: Drive) -> str:
     of that, where the slider rings on its contacts less than MOST_OSCILLATIONS times with it."""
     spring, mass = float(drive.spring or 0.0), float(drive.mass or 0.0)
     tenth = 0.2 * float(np.sqrt(spring * mass))
-    rings = FADES / np.pi * float(np.sqrt(mass * (1.0 + spring))) / tenth
+    rings = E_FOLDS_TO_REST / np.pi * float(np.sqrt(mass * (1.0 + spring))) / tenth
     if tenth < 0.01 * _critical_damping(drive) and rings < MOST_OSCILLATIONS:
         return f"a tenth of the critical one of mass and spring is {tenth:.3g}"
     return enough_damping(drive)
@@ -94,7 +94,7 @@ def oscillations(contacts: Contacts, drive: Drive) -> tuple[float, float]:
     """How often the slider rings on contacts that form at once, after a slip, and X_T at which that has begun at the
     latest; 0 where it surely does so less often than MOST_OSCILLATIONS, or may not slip."""
     mass, spring = float(drive.mass or 0.0), float(drive.spring or 0.0)
-    fading = FADES * 2.0 * mass / drive.damping if drive.damping else np.inf
+    fading = E_FOLDS_TO_REST * 2.0 * mass / drive.damping if drive.damping else np.inf
     in_time = np.sqrt((1.0 + spring) / mass) / (2.0 * np.pi)
     if min(float(drive.arrival_times(0.0)[-1]), fading) * in_time < MOST_OSCILLATIONS:
         return 0.0, 0.0

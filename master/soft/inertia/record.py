@@ -12,9 +12,9 @@ from origins.thresholds.law import Array
 
 # Share of the contacts that breaks in a fall of the force; rounding is below it.
 ANY = 1e-6
-# Of the time of a swing down: a longer part in which the force falls by LOWER of it is no half swing, of which a
-# fiftieth is so flat, but of a slider that only comes close to its end.
-FADES = 0.25
+# Part of the time of a fall. A swing back spends its last fiftieth on the last thousandth (LOWER) of its fall; one that
+# spends more than this part on it only comes close to its end.
+TOO_LONG_AT_END = 0.25
 # Part of LOWER by which the force changes from one instant that is kept to the next.
 NEXT = 0.25
 # Share of a fall in place of 0, whose logarithm is taken.
@@ -206,7 +206,7 @@ class Record:
 
     def _faded(self, high: Instant, at: Instant) -> Instant | None:
         """Where all but LOWER of a swing from `high` down to `at` is done, with its force, if the slider has spent
-        more than a part FADES of its time from there on; else None."""
+        more than a part TOO_LONG_AT_END of its time from there on; else None. Only time and place are not of `at`."""
         down = [*self._way_down, at]
         rest = np.array([one.force - at.force for one in down]) / (high.force - at.force)
         k = max(int(np.argmax(rest <= LOWER)), 1)
@@ -216,7 +216,7 @@ class Record:
         low, up = down[k - 1], down[k]
         when = low.time + part * (up.time - low.time)
         place = low.place + part * (up.place - low.place)
-        if at.time - when <= FADES * (at.time - high.time):
+        if at.time - when <= TOO_LONG_AT_END * (at.time - high.time):
             return None
         return at._replace(time=when, place=place)
 

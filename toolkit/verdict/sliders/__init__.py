@@ -8,7 +8,8 @@ leaves of the past; `in_heat.py` and `weak_heat.py`, sliders in heat for which t
 `ensemble.py`, sliders of some contacts, whose number the time decides, beginning with a pilot of a thousand;
 `late.py`, their late slips; `by_contacts.py`, what they tell, and what fewer contacts than there are change;
 `plans.py`, how far the drive of finitely many contacts goes and how often they break on the way; `finite.py`, how many
-of those of the area four sliders have, and rules under which these do the same; `judged.py`, what they do;
+of those of the area four sliders have, and rules under which these do the same; `judged.py`, which kind they are, by
+their slips beyond a transient;
 `islands.py`, the numbers to begin with for islands; and `budget.py`, times and numbers of breaks that all of these keep
 to.
 """

@@ -15,7 +15,7 @@ from toolkit.verdict.sliders.machine import Machine, RigidSlider
 from toolkit.verdict.sliders.records import Behaviour, Finite, not_followed
 from toolkit.verdict.sliders.ways import SMALL, way_of_a_swing, way_without_contacts
 
-# Times the force that is missing before a slip in what it falls by: a mass swings as far beyond no force, at most.
+# A fall is smaller by up to this many times what is missing before it: a mass swings as far beyond no force, at most.
 OF_FALL = 2.0
 # of the force: swings that are larger are told by their ends, and are no error of it
 SWUNG = 0.05
@@ -32,24 +32,24 @@ def that_slip(
     machine: Machine,
     contacts: Contacts,
     smaller: int,
-    too_early: float,
+    too_low: float,
 ) -> Behaviour:
     """What sliders tell that slip on: `found` has main slips alone, beside so many `smaller` ones, before which the
-    force may be `too_early` by so much (a length), 0 of as many contacts as there are."""
+    force may be `too_low` by so much (a length), 0 of as many contacts as there are."""
     number, slips = found.contacts // SLIDERS, found.slips
     many = Finite(
         told.rule, number, "stick-slip", drive=told.drive, force=told.force, smaller=smaller
     )
     many = with_late_slips(many, slips)
-    before, after, error = many.before, many.after, many.force_error + too_early
-    if too_early and before - after < SURE * error:
+    before, after, error = many.before, many.after, many.force_error + too_low
+    if too_low and before - after < SURE * error:
         return not_followed(told.rule, f"{told_contacts(number)} slip, perhaps as they are so few")
     many = in_the_end(many, found, machine, contacts)
     lasts = many.kind == "stick-slip"
     if many.kind == "unknown":
         last = [slips.mean(f"force_{when}", told.slips - 1) for when in ("before", "after")]
-        before, error, after = last[0][0], last[0][1] + too_early, last[1][0]
-    off = many.period_error + period_off(too_early, machine.spring) if many.period else 0.0
+        before, error, after = last[0][0], last[0][1] + too_low, last[1][0]
+    off = many.period_error + period_off(too_low, machine.spring) if many.period else 0.0
     return replace(
         told,
         kind="undecided" if many.kind == "unknown" else many.kind,
@@ -104,7 +104,7 @@ def that_slide(
     )
 
 
-def too_early_by(found: Any, few: Any, unit: float) -> float:
+def too_low_by(found: Any, few: Any, unit: float) -> float:
     """By how much F before the first slip may be too low as there are not more contacts (a length): by N^(-2/3) mean
     thresholds `unit`, or by what a few contacts say of its factor, with their standard errors; of these few themselves
     by ten times that, more than was found of any law."""
@@ -117,7 +117,7 @@ def too_early_by(found: Any, few: Any, unit: float) -> float:
     return max(least, float((abs(force - lower) + off + more_off) / ratio))
 
 
-def period_off(too_early: float, spring: float) -> float:
+def period_off(too_low: float, spring: float) -> float:
     """By how much the drive's way from slip to slip may be too short (a length), as so much force is missing before
     each: what it falls by the spring regains."""
-    return OF_FALL * too_early / spring
+    return OF_FALL * too_low / spring

@@ -15,7 +15,7 @@ from toolkit.results.slips import late_slips, with_main_slips
 from toolkit.results.traces import trace_of
 from toolkit.scene.scale import told_contacts
 from toolkit.verdict.sliders.budget import MORE_TIME, SHORT, most_breaks, seconds_of, too_long
-from toolkit.verdict.sliders.by_contacts import that_slide, that_slip, too_early_by
+from toolkit.verdict.sliders.by_contacts import that_slide, that_slip, too_low_by
 from toolkit.verdict.sliders.late import SLIDERS, may_slip_again
 from toolkit.verdict.sliders.machine import POINTS, Machine, RigidSlider
 from toolkit.verdict.sliders.records import Behaviour, not_followed
@@ -198,12 +198,12 @@ def follow_by_contacts(
     )
     if common < 2 or not goes_on:
         return that_slide(told, of_main, machine, contacts, rigid)
-    too_early = 0.0
+    too_low = 0.0
     if number < (round(rigid.contacts) if rigid.contacts else np.inf):
         few = _fewer(machine, contacts, rule, path, until) if number > PILOT else None
-        too_early = too_early_by(of_main, few or of_main, contacts.mean_threshold)
+        too_low = too_low_by(of_main, few or of_main, contacts.mean_threshold)
     smaller = found.slips.drive.size - of_main.slips.drive.size
-    return that_slip(told, of_main, machine, contacts, smaller, too_early)
+    return that_slip(told, of_main, machine, contacts, smaller, too_low)
 
 
 def by_sliders(number: int, heat: float | None = None) -> str:

@@ -30,13 +30,13 @@ from toolkit.verdict.sliders.records import Finite
 from toolkit.verdict.sliders.slips_in_time import slips_in_time
 from toolkit.verdict.sliders.steady import settling_distance
 
-# Where the force rises by this part of a drop above that before any slip, the slips are not those of the force; and the
+# A force that rises by this part of a drop above what it was before any slip swings in falls that are no slips; and the
 # part of the drop of infinitely many contacts by which it has to swing for this to be said.
 UNSEEN, SWING_OF_DROP = 0.08, 0.5
 # mean thresholds that each slider has moved by once it slides, and does not only stretch its contacts: between two
 # slips on a soft spring the force rises with the drive
 FAR = 100.0
-# part of BEYOND after which the force is taken as that of steady sliding
+# last part of BEYOND, on which the force is taken as that of steady sliding
 SETTLED = 0.5
 
 
@@ -59,7 +59,8 @@ class _Told(NamedTuple):
 
 
 def judged(asked: Asked, found: Any, way: Way) -> Finite:
-    """What sliders do that were followed along a way. Raises InputError where this does not tell it."""
+    """What sliders do that were followed along a way: stick-slip if all slip beyond a transient, now and then if some
+    do, else smooth. Raises InputError where this is not known."""
     machine, infinite, mean = asked.machine, asked.infinite, asked.contacts.mean_threshold
     drive, force = trace_of(found, 0, machine.velocity)
     seen = found.slips.drive.size

@@ -26,7 +26,7 @@ RENEWED = 0.99
 STICKS = 0.5
 # part of themselves that slips which fade leave after so many more, below which they are not told as stick-slip
 FADED, FURTHER = 0.5, 32
-FADES = "their slips still fade where the path ends"
+STILL_FADE = "their slips still fade where the path ends"
 OPEN = (
     "steady sliding is stable, and their slips are neither alike nor clearly rarer where the path ends; whether they "
     f"end is not known: {MORE_TIME}"
@@ -107,7 +107,7 @@ def in_the_end(finite: Finite, found: Any, machine: Machine, contacts: Contacts)
         return replace(finite, kind=EVER_RARER, rarer=fewer, fluctuation=usual)
     finite = replace(finite, rarer=fewer)
     if (1.0 - finite.shrinks_by) ** FURTHER < FADED:
-        return replace(finite, kind="unknown", message=FADES)
+        return replace(finite, kind="unknown", message=STILL_FADE)
     if stable and not (late.settled and late.alike):
         return replace(finite, kind="unknown", message=OPEN)
     return finite

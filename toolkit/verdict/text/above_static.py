@@ -1,4 +1,5 @@
-"""Why slips begin at another force than the static friction of the table."""
+"""Why slips begin at another force than the static friction of the table. On a spring near K* one begins below it, past
+the peak of the force, which `slip_rows.past_peak` tells."""
 
 import numpy as np
 
