@@ -554,8 +554,24 @@ def test_bug_shows_its_traceback_and_the_module_is_the_command(
     assert not ended.value.code and "rough-gw-amontons" in capsys.readouterr().out
 
 
+def test_in_newtons_the_order_may_be_the_other_way_round(capsys: Any) -> None:
+    """Of N_c<k>, K* of narrow thresholds is larger; in N/m that of wide ones is, of a hundred times as many contacts."""
+    drive, files, bare = {"to": 1e-7, "points": 3, "area": 1e-6}, [], []
+    for name, std, density in (("few-narrow", 4e-10, 1e11), ("many-wide", 1.2e-9, 1e13)):
+        law = GAUSSIAN | {"mean": 4e-9, "std": std}
+        contacts = {"thresholds": law}
+        bare.append(write(f"bare-{name}", contacts=contacts, drive={"to": 1e-7, "points": 3}))
+        contacts |= {"interface": {"mean_stiffness": 5.0, "contact_density": density}}
+        files.append(write(name, contacts=contacts, drive=drive))
+    _, lines, _ = said(capsys, "compare", *files, "--out", "both")
+    assert "K* (N/m)" in lines[0]
+    assert [line.split()[1] for line in lines[2:4]] == ["many-wide", "few-narrow"]
+    _, lines, _ = said(capsys, "compare", *bare, "--out", "shared")
+    assert [line.split()[1] for line in lines[2:4]] == ["bare-few-narrow", "bare-many-wide"]
+
+
 def test_surfaces_with_areas_are_ranked_in_newtons(capsys: Any) -> None:
-    """Twice the density of summits has other contacts: the order over N_c<k> need not be that in N/m."""
+    """One surface on two areas: K* of N_c<k> is the same, and a thousand times as large in N/m on the larger one."""
     drive = {"to": 1e-7, "points": 3, "area": 1e-6}
     large = drive | {"area": 1e-3}
     files = [

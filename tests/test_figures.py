@@ -17,7 +17,8 @@ from toolkit.figures.paper import DRAW, in_words, labels_of
 from toolkit.scene.paper import PAPER_FIGURES
 from toolkit.scene.scene import SHIPPED, load_scene, shipped_scenes
 
-PAGE = (Path(__file__).parents[1] / "docs" / "paper-figures.md").read_text(encoding="utf-8")
+DOCS = Path(__file__).parents[1] / "docs"
+PAGE = (DOCS / "paper-figures.md").read_text(encoding="utf-8")
 # number, label, scenes, what, here, exact
 ROW = re.compile(
     r"^\| (\d+) \| (\w+) \| ([^|]+) \| ([^|]+) \| ([^|]+) \| ([^|]*) \|$", re.MULTILINE
@@ -85,6 +86,17 @@ def test_every_figure_with_data_has_its_scene_and_number() -> None:
     for label, one in PAPER_FIGURES.items():
         text = (SHIPPED / f"{one.scenes[0]}.toml").read_text(encoding="utf-8")
         assert label[:3] in text, label
+
+
+@pytest.mark.parametrize("page", sorted(one.name for one in DOCS.glob("*.md")))
+def test_pages_name_figures_as_the_pdf_numbers_them(page: str) -> None:
+    """A label of the LaTeX alone tells a reader nothing; those of the code map are of equations."""
+    text = (DOCS / page).read_text(encoding="utf-8")
+    text = re.sub(r"```.*?```|`[^`\n]*`", "", text, flags=re.DOTALL)
+    labels = set(re.findall(r"\b(?:A\d\d[a-z]?|delta12|PcPersson)\b", text))
+    for label in labels if page != "code-map.md" else ():
+        number = PAPER_FIGURES[label].number
+        assert re.search(rf"\b{number}(?: \(|, | \| ){label}\b", text), label
 
 
 @pytest.mark.parametrize(

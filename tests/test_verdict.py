@@ -598,6 +598,18 @@ def test_readings_that_lack_a_constant_share_one_line(capsys: Any) -> None:
     assert page.count("left out: ") == 2 and "need material.force_coefficient, which is not" in page
 
 
+def test_a_scan_with_gaps_has_a_verdict_that_tells_the_missing_share(capsys: Any) -> None:
+    pytest.importorskip("SurfaceTopography")
+    heights = 200.0 * origins.self_affine_surface((24, 24), 1.0, hurst=0.8, rms_slope=0.1, seed=1)
+    heights[::9, ::9] = np.nan  # 9 of 576
+    np.savetxt("gaps.txt", heights, header="Width: 10 µm\nHeight: 10 µm\nValue units: nm")
+    tables = {"thresholds": ROUGH | {"surface": {"kind": "scan", "file": "gaps.txt"}}}
+    tables |= {"drive": {"area": 1e-6}, "verdict": {"readings": ["gw/amontons"], "steps": [1]}}
+    status, page, found = judged(capsys, **tables)
+    assert status == 0 and [one["reading"] for one in found["readings"]] == ["gw/amontons"]
+    assert "1.6% of the scan's points are missing: a slope counts where" in page
+
+
 def test_many_contacts_do_what_infinitely_many_do(capsys: Any) -> None:
     """The mean force before a slip of 20,000 contacts lies within 5 standard errors and the late slip of N^(-2/3). The
     number stands in [eq], whose path is the verdict's own."""

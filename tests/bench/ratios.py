@@ -90,7 +90,7 @@ def measured(task: str, ours: Way, others: list[Way]) -> list[Line]:
 
 
 def forces() -> list[Line]:
-    """F(X) of Fig. A02 at 501 points."""
+    """F(X) of Fig. 2 (A02a) at 501 points."""
     exact = gaussian_force(PATH, 1.0, 0.05, 0.0, 0.025)
 
     def off(force: Any) -> float:
@@ -105,7 +105,7 @@ def forces() -> list[Line]:
         Way("solve_ivp, 3,200 upwind cells", partial(rivals.upwind, PATH, 3200), off),
         Way("the closed form by hand", partial(gaussian_force, PATH, 1.0, 0.05, 0.0, 0.025), off),
     ]
-    return measured("F(X), Fig. A02", ours, others)
+    return measured("F(X), Fig. 2 (A02a)", ours, others)
 
 
 def crowds() -> list[Line]:

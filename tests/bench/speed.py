@@ -72,7 +72,7 @@ def best(call: Callable[[], Any], times: int = 5) -> float:
 
 def main() -> None:
     """Print the tables."""
-    print("master equation, Fig. A02, 501 points to X = 5: ms, claimed and true error")
+    print("master equation, Fig. 2 (A02a), 501 points to X = 5: ms, claimed and true error")
     path = np.linspace(0.0, 5.0, 501)
     scene = origins.Contacts(FRESH, origins.gaussian_start(0.0, 0.025))
     exact = gaussian_force(path, 1.0, 0.05, 0.0, 0.025)
