@@ -555,7 +555,7 @@ def test_bug_shows_its_traceback_and_the_module_is_the_command(
 
 
 def test_in_newtons_the_order_may_be_the_other_way_round(capsys: Any) -> None:
-    """Of N_c<k>, K* of narrow thresholds is larger; in N/m that of wide ones is, of a hundred times as many contacts."""
+    """Of N_c<k>, K* of narrow thresholds is larger; in N/m that of a hundred times as many wide ones is."""
     drive, files, bare = {"to": 1e-7, "points": 3, "area": 1e-6}, [], []
     for name, std, density in (("few-narrow", 4e-10, 1e11), ("many-wide", 1.2e-9, 1e13)):
         law = GAUSSIAN | {"mean": 4e-9, "std": std}

@@ -1,8 +1,8 @@
 """What a user would write or install instead of this toolkit, each as short as it can be for the same question.
 
 The question is F(X) of Gaussian thresholds on a rigid slider that moves forward, Fig. 2 (A02a) of the paper, or the
-force of so many single contacts. Each function here that gives F takes the path and a setting; those of contacts give the
-mean force and the number of breaks.
+force of so many single contacts. Each function here that gives F takes the path and a setting; those of contacts give
+the mean force and the number of breaks.
 """
 
 from __future__ import annotations
