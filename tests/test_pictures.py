@@ -23,6 +23,7 @@ from toolkit.judge.lines import table
 from toolkit.judge.picture import draw_comparison
 from toolkit.pictures.axes import INK, MARKERS, OKABE_ITO, name_axis, style_of
 from toolkit.pictures.critical_spring import plot_points_spring
+from toolkit.pictures.keys import last_words, symbol_of_key
 from toolkit.pictures.points import plot_points
 from toolkit.pictures.run import (
     draw_run,
@@ -589,11 +590,25 @@ def test_a_picture_of_a_sweep_has_a_line_for_each_value_of_the_second_quantity()
     toolkit.plot(result, axes)
     assert axes[0].get_xscale() == "log" and len(axes[0].containers) == 2
     assert [text.get_text() for text in axes[0].get_legend().get_texts()] == [
-        "temperature = 0.1 length²",
-        "temperature = 0.3 length²",
+        r"$k_BT/\langle k\rangle$ = 0.1 length²",
+        r"$k_BT/\langle k\rangle$ = 0.3 length²",
     ]
     second = axes[0].containers[1].lines[0].get_ydata()
     np.testing.assert_array_equal(second, result.sweep.force[:, 1])
+
+
+@pytest.mark.parametrize(
+    ("key", "values", "symbol"),
+    [
+        ("drive.spring", ["50 N/m", "0.5 N_c<k>"], "$K$"),
+        ("drive.mass", [0.1], r"$M/(N_c\langle k\rangle)$"),
+        ("contacts.thermal.kelvin", [300.0], "$T$"),
+        ("contacts.delay.time", [0.1], r"$\tau$"),
+        ("contacts.thresholds.std", [0.1], "std"),
+    ],
+)
+def test_a_legend_has_the_symbol_of_a_key(key: str, values: list[Any], symbol: str) -> None:
+    assert symbol_of_key(key, last_words([key])[key], np.array(values)) == symbol
 
 
 def test_a_sweep_over_a_spring_shows_forces_before_and_after_slips() -> None:

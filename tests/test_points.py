@@ -450,13 +450,22 @@ def test_a_path_too_short_for_a_slip_is_no_smooth_sliding() -> None:
     axes = plot_points(Figure().subplots(), done)
     said = [text.get_text() for text in axes.get_legend().get_texts()]
     assert {*said} == {
-        "std = 0.1 length",
-        "std = 0.2 length",
+        "std = 0.1 units of length",
+        "std = 0.2 units of length",
         "hollow, at no force: not decided whether it slips",
         "no mark: no slip",
     }
     hollow = [line for line in axes.lines if line.get_markerfacecolor() == "none"]
     assert [[*line.get_xdata()] for line in hollow] == [[0.01], [0.01], []]
+    # after a slip the mark stands at its force, whatever follows of how many contacts
+    few = "undecided for infinitely many contacts only"
+    columns = done.sweep.columns | {"regime": np.array([*regimes[:2], few, *regimes[3:]])}
+    other = replace(done, sweep=replace(done.sweep, columns=columns))
+    axes = plot_points(Figure().subplots(), other)
+    marks = [line.get_xydata() for line in axes.lines if line.get_markerfacecolor() == "white"]
+    assert [[*one.ravel()] for one in marks] == [[0.3, done.sweep["force_before_slip"][2]], []]
+    said = [text.get_text() for text in axes.get_legend().get_texts()]
+    assert "hollow: not decided whether it goes on slipping" in said
     only = {"drive.spring": [0.01, 5.0]}  # without a slip anywhere
     none = plot_points(
         Figure().subplots(),

@@ -15,7 +15,7 @@ INK = {"master": OKABE_ITO[0], "eq": OKABE_ITO[1], "thresholds": OKABE_ITO[2]}
 # dashes keep coinciding curves visible, marks curves of one colour apart
 DASHES: list[Any] = ["-", (0, (6, 3)), (0, (1.5, 2)), (0, (6, 2, 1, 2)), (0, (10, 4))]
 MARKERS = ["o", "s", "^", "D", "v", "P", "X", "*", "<", ">", "p", "h"]
-_OWN = {"length": "units of length", "time": "units of time"}  # of a scene without SI units
+OWN_UNITS = {"length": "units of length", "time": "units of time"}  # of a scene without SI units
 _MOST_DECADES = 5.0  # of a logarithmic axis whose ticks are plain numbers, not powers of ten
 _SHORT = (1e-3, 1e5)  # from where to where ticks are short without a power of ten
 _LEAST_TICK = 0.0999  # power of ten on a logarithmic axis in the unit of its upper end
@@ -70,7 +70,7 @@ def name_axis(axis: Any, name: str, unit: str, beside: Any = None) -> None:
     gap = "" if name.endswith("\n") else " "
     inverse = unit == "1/m"
     if not (unit in PREFIXED or inverse):
-        said, power = _OWN.get(unit, unit), 0
+        said, power = OWN_UNITS.get(unit, unit), 0
         log = axis.get_scale() == "log"
         if not log or high < 10.0**_MOST_DECADES * low:  # else ticks are powers of ten anyway
             power = _plain_power(max(abs(low), abs(high)))

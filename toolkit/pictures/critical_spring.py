@@ -4,7 +4,8 @@ from typing import Any
 
 import numpy as np
 
-from toolkit.pictures.points import FLAT, column_with_error, last_words, plot_points
+from toolkit.pictures.keys import last_words
+from toolkit.pictures.points import FLAT, column_with_error, plot_points
 from toolkit.results.points import SweepRecord
 from toolkit.results.records import Result
 from toolkit.scene.scale import written

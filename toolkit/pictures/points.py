@@ -16,6 +16,7 @@ from toolkit.pictures.axes import (
     spring_name,
     style_of,
 )
+from toolkit.pictures.keys import axis_of_key, last_words, symbol_of_key, value_of_key
 from toolkit.pictures.slope import draw_slope
 from toolkit.results.points import SweepRecord, force_factors, key_units, without_unit
 from toolkit.results.records import Result
@@ -29,18 +30,15 @@ _MARKED = 30  # points of a line; with more, some carry a mark
 FLAT = 0.01
 _ROOM = 0.05  # of an axis below its lowest mark
 _LOG_FROM = 30.0  # largest over smallest value from which an axis is logarithmic
-# of keys of smooth sliding, and of the drive
-_SYMBOLS = {"velocity": "speed $v$", "temperature": r"temperature $k_BT/\langle k\rangle$"}
-_SYMBOLS |= {"kelvin": "temperature $T$", "rate": "rate of ageing", "delay": r"delay $\tau$"}
-_SYMBOLS |= {"drive.velocity": "speed of the drive $v$", "drive.area": "nominal area $A$"}
-_SHARED_SPRING = r"spring $K/(N_c\langle k\rangle)$"
 _SPEEDS = ("velocity", "drive.velocity")
 # columns of F_k, where they stand alone
 _OF_RIGID = ["force"], ["kinetic_force"]
 # mean force before all slips of the ensemble's sliders
 _OF_ENSEMBLE = "eq_force_before_slip"
 _OF_MASTER = "force_before_slip"
+_OF_SLIPS = _OF_MASTER, "force_after_slip"
 _NOT_DECIDED = "hollow, at no force: not decided whether it slips"
+_GOES_ON = "hollow: not decided whether it goes on slipping"
 _NOISE = 0.1  # part of the largest swing below which the force swings by chance
 # of the height of the axes: where marks of points that are not decided begin, and how far those of the next line are
 _LOWEST, _NEXT = 0.025, 0.04
@@ -64,7 +62,7 @@ def plot_points(
     unused = [sweep[key].ravel() for key in sweep.along if key not in (first, *others)]
     shown = np.logical_and.reduce([own == own[0] for own in unused] or [np.full(x.size, True)])
     names, number, sloped = list(dict.fromkeys(lines)), 0, False
-    undecided = _undecided(sweep) & (name == "kinetic_force")
+    undecided, slipped = (own & (name == "kinetic_force") for own in _undecided(sweep))
     for column, said in columns.items():
         value, error = _drawn(result, column)
         for k_th, k in enumerate(some_of(len(names), _LINES)):
@@ -79,19 +77,26 @@ def plot_points(
                 style["label"] = ", ".join(filter(None, [style["label"], told * (slope != 0.0)]))
             axes.errorbar(x[rows], value[rows], error[rows], **style)
             if column == next(iter(columns)) and undecided[rows].any():
-                _mark_undecided(axes, x[rows][undecided[rows]], _LOWEST + k_th * _NEXT, style)
+                without, height = rows[undecided[rows]], _LOWEST + k_th * _NEXT
+                place = {"transform": axes.get_xaxis_transform()}
+                axes.plot(x[without], np.full(without.size, height), **_hollow(style) | place)
+            if column in _OF_SLIPS and slipped[rows].any():
+                seen = rows[slipped[rows]]
+                axes.plot(x[seen], value[seen], **_hollow(style) | {"mfc": "white", "zorder": 3})
             number += 1
+    if slipped.any():
+        axes.plot([], [], "o", color="0.4", mfc="white", ms=5, label=_GOES_ON)
     if undecided.any():
         axes.plot([], [], "o", color="0.4", mfc="none", ms=5, label=_NOT_DECIDED)
     if unmarked:
         axes.plot([], [], " ", label=f"no mark{unmarked.removesuffix(')')}")
     _scale(axes, x, _drawn(result, name)[0], name)
-    name_axis(axes.xaxis, *_axis_of_key(first, unit or units.get(first, "")))
+    name_axis(axes.xaxis, *axis_of_key(first, unit or units.get(first, "")))
     marked = name in ("critical_spring", "kinetic_force") and _mark_critical(axes, result)
     # last, as a scale that is set anew has ticks of its own, without the prefix of the unit
     name_axis(axes.yaxis, *_axis_of(name, columns, result))
     # the panels below that of the forces have the same lines
-    told_more = others or marked or sloped or undecided.any()
+    told_more = others or marked or sloped or undecided.any() or slipped.any()
     if len(columns) > 1 or (told_more and name in ("force", "kinetic_force")):
         legend_above(axes, letters=_LETTERS)
     return axes
@@ -113,20 +118,21 @@ def _names_of_lines(
     sweep: SweepRecord, others: Sequence[str], units: Mapping[str, str]
 ) -> list[str]:
     """Of each point the values of these keys, which name its line."""
-    each, short = {key: sweep[key].ravel() for key in others}, last_words(others)
+    each, words = {key: sweep[key].ravel() for key in others}, last_words(others)
+    named = {key: symbol_of_key(key, words[key], own) for key, own in each.items()}
     return [
         ", ".join(
-            f"{short[key]} = {_written(own[row], units.get(key, ''))}" for key, own in each.items()
+            f"{named[key]} = {value_of_key(own[row], units.get(key, ''))}"
+            for key, own in each.items()
         )
         for row in range(sweep[sweep.along[0]].size)
     ]
 
 
-def _mark_undecided(axes: Any, x: Array, height: float, style: Mapping[str, Any]) -> None:
-    """Hollow marks, in the style of their line, at this height of the axes: points that are not decided."""
-    hollow: dict[str, Any] = {"color": style["color"], "marker": style["marker"]}
-    hollow |= {"mfc": "none", "ls": "", "ms": 5, "label": "_"}
-    axes.plot(x, np.full(x.size, height), transform=axes.get_xaxis_transform(), **hollow)
+def _hollow(style: Mapping[str, Any]) -> dict[str, Any]:
+    """Marks of points that are not decided, in the style of their line."""
+    kept = {name: style[name] for name in ("color", "marker")}
+    return kept | {"mfc": "none", "ls": "", "ms": 5, "label": "_"}
 
 
 def _scale(axes: Any, x: Array, value: Array, name: str) -> None:
@@ -142,13 +148,6 @@ def _scale(axes: Any, x: Array, value: Array, name: str) -> None:
         top, lowest = 1.15 * max(axes.get_ylim()[1], most), axes.dataLim.y0
         # room below marks at 0, as those after a slip, and below
         axes.set_ylim(min(lowest - _ROOM * top, 0.0) if lowest <= 0.0 else 0.0, top)
-
-
-def _axis_of_key(key: str, unit: str) -> tuple[str, str]:
-    """Name and unit of an axis of a key that is swept."""
-    if key == "drive.spring":
-        return (_SHARED_SPRING, "") if unit in ("", SHARED) else ("spring $K$", unit)
-    return _SYMBOLS.get(key, key), unit
 
 
 def _mark_critical(axes: Any, result: Result) -> bool:
@@ -173,19 +172,6 @@ def _mark_critical(axes: Any, result: Result) -> bool:
     return bool(passed.size)
 
 
-def last_words(keys: Sequence[str]) -> dict[str, str]:
-    """The last words of the keys, such as "area" of "drive.area", where these tell them apart; else the keys."""
-    last = {key: key.rpartition(".")[2] for key in keys}
-    return last if len({*last.values()}) == len(last) else {key: key for key in keys}
-
-
-def _written(value: Any, unit: str) -> str:
-    """The value of a key that tells a line from others."""
-    if isinstance(value, str) or not unit:
-        return str(value)
-    return written(value, unit) if unit in PREFIXED else f"{value:.3g} {unit}"
-
-
 def _of_slips(sweep: SweepRecord) -> dict[str, str]:
     """The columns of the forces of slips that are known at some point, and what they are; empty without slips."""
     named = {
@@ -198,20 +184,25 @@ def _of_slips(sweep: SweepRecord) -> dict[str, str]:
         known[_OF_ENSEMBLE] &= _swings_on(sweep).reshape(known[_OF_ENSEMBLE].shape)
     none = dict.fromkeys(named, " (no mark: no slip)")
     none[_OF_ENSEMBLE] = " (no mark: no slips in the end, or none yet)"
+    # points that are not decided have a mark of their own
+    told, _ = _undecided(sweep)
     return {
-        name: named[name] + ("" if there.all() else none[name])
+        name: named[name] + ("" if (there.ravel() | told).all() else none[name])
         for name, there in known.items()
         if there.any()
     }
 
 
-def _undecided(sweep: SweepRecord) -> NDArray[np.bool_]:
-    """At which points no slip is known, and none is excluded: the path ends too early, or the point failed."""
+def _undecided(sweep: SweepRecord) -> tuple[NDArray[np.bool_], NDArray[np.bool_]]:
+    """At which points no slip is known, and none is excluded: the path ends too early, or the point failed; and at
+    which it ends, after slips, before it is known whether they go on."""
     if "regime" not in sweep.columns:
-        return np.zeros(sweep.size, bool)
+        return np.zeros(sweep.size, bool), np.zeros(sweep.size, bool)
     none = np.isnan(sweep[_OF_MASTER].ravel())
     failed = np.isnan(sweep["slips"].ravel())
-    return np.asarray(none & (failed | (sweep["regime"].ravel() == "undecided")))
+    # text that follows may say of how many contacts
+    undecided = failed | np.char.startswith(sweep["regime"].ravel().astype(str), "undecided")
+    return np.asarray(none & undecided), np.asarray(~none & undecided)
 
 
 def _swings_on(sweep: SweepRecord) -> NDArray[np.bool_]:
