@@ -30,7 +30,7 @@ def page(request: pytest.FixtureRequest, tmp_path: Path, monkeypatch: pytest.Mon
     """The text of a tutorial, in a folder with its scene."""
     monkeypatch.chdir(tmp_path)
     text = (DOCS / request.param).read_text(encoding="utf-8")
-    (scene,) = re.findall(r"```toml\n(.*?)```", text, re.DOTALL)
+    scene, *_ = re.findall(r"```toml\n(.*?)```", text, re.DOTALL)
     Path(SCENES[request.param]).write_text(scene, encoding="utf-8")
     return text
 
@@ -73,6 +73,24 @@ def test_a_surface(page: str, capsys: Any) -> None:
     assert f"<x_s>/V = {told['mean'] / fast * 1e9:.0f} ns" in page and f"ζ = {zeta:.2f}" in page
     assert f"(M/K)^(1/2) = {np.pi * 0.002**0.5 * 1e3:.0f} ms" in page
     assert f"leaves {left:.2f}: the force falls by {1.0 + left:.2f} of itself" in page
+
+
+@pytest.mark.parametrize("page", ["tutorial-thresholds.md"], indirect=True)
+def test_scan_load_machine_and_heat_are_a_scene_of_twenty_lines(page: str, capsys: Any) -> None:
+    pytest.importorskip("SurfaceTopography")
+    run(python(page)[0], {})
+    _, more = re.findall(r"```toml\n(.*?)```", page, re.DOTALL)
+    with Path("polymer.toml").open("a", encoding="utf-8") as file:
+        file.write(more)
+    lines = Path("polymer.toml").read_text(encoding="utf-8").splitlines()
+    assert sum(bool(line.strip()) for line in lines) <= 20
+    status, out, err = said(capsys, "show", "polymer.toml")
+    asked = {'spring = "50 N/m"', 'mass = "0.1 kg"', "area = 1e-06", "velocity = 1e-06"}
+    asked |= {"pressure = 1000000.0", "temperature = {kelvin = 300.0}", 'file = "scan.txt"'}
+    assert (status, err) == (0, []) and asked <= set(out)
+    contacts = load_scene("polymer.toml", solved=False).contacts
+    stiffness, thermal = contacts.interface.mean_stiffness, contacts.thermal
+    assert thermal.temperature == pytest.approx(1.380649e-23 * 300.0 / stiffness, rel=1e-9)
 
 
 @pytest.mark.slow
