@@ -38,7 +38,7 @@ from toolkit.results.records import sample_curve
 from toolkit.scene.scale import written
 from toolkit.stability.table import VERDICTS
 from toolkit.verdict.judge import verdict
-from toolkit.verdict.picture import draw_verdict
+from toolkit.verdict.picture import draw_springs, draw_verdict
 
 ROOT = Path(__file__).parents[1]
 WIDE = {"kind": "gaussian", "mean": 1.0, "std": 0.2}
@@ -564,6 +564,24 @@ def test_five_readings_have_five_marks_and_of_ten_the_own_one_stands_out() -> No
         assert len(names) == named and ("gw: 9 other readings" in names) is (number == 10)
         assert lines[0].get_linewidth() > 2.0 * lines[1].get_linewidth() or number == 5
         assert drawn["springs"].get_xlabel().endswith("N/m)")
+
+
+def test_marks_of_k_star_without_a_bar_say_which_errors_they_hide() -> None:
+    """A law without samples has no sampling error to speak of; a bar that is seen needs no words."""
+    tables = {"contacts": {"thresholds": WIDE}, "drive": {}}
+    found = verdict(toolkit.load_scene(tables, solved=False))
+    own = found.own.critical_spring
+    for sampling, said in (
+        (None, "no bar: numerical error\nsmaller than the mark"),
+        (0.01 * own.value, "no bar: numerical and sampling\nerrors smaller than the mark"),
+        (0.3 * own.value, None),
+    ):
+        critical = dataclasses.replace(own, sampling=sampling)
+        answer = dataclasses.replace(found.own, critical_spring=critical)
+        axes = Figure().subplots()
+        draw_springs(axes, dataclasses.replace(found, answers=(answer,)))
+        names = [text.get_text() for text in axes.get_legend().get_texts()] if said else [None]
+        assert names == [said] and (said is None) == (axes.get_legend() is None)
 
 
 @pytest.mark.slow  # K* of so narrow a peak takes long; quick: the other panels, above

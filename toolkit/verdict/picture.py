@@ -16,7 +16,7 @@ from toolkit.pictures.axes import (
     style_of,
 )
 from toolkit.scene.scale import SHARED, spoken
-from toolkit.verdict.answers import Answer, Verdict
+from toolkit.verdict.answers import Answer, Quantity, Verdict
 from toolkit.verdict.sliders.machine import Machine
 from toolkit.verdict.sliders.records import Behaviour
 from toolkit.verdict.text.doubts import warnings
@@ -38,6 +38,9 @@ _LONG = 110
 # of an axis of springs, its least width as a factor: numerical errors alone would make ticks of many digits, and on
 # less than two decades multiples of a power of ten are labelled, too, too near to one another in so narrow a panel
 _LEAST_WIDTH = 120.0
+# of a K*: an error whose bar does not stand out of its mark, which is some 7 % of a value wide to each side on an axis
+# of that width or more
+_WITHIN_THE_MARK = 0.05
 # widths of P_c and the springs, of one reading and of several
 _ONE_WIDE, _WIDE = (2.2, 1.0), (1.0, 1.0)
 
@@ -193,8 +196,10 @@ def _density(contacts: Contacts) -> tuple[Any, Any]:
 def draw_springs(axes: Any, verdict: Verdict) -> None:
     """K* of each reading as a mark with its error, and the machine's spring."""
     rows, scale = list(enumerate(verdict.answers)), verdict.own.scale
-    for row, answer in rows:
-        _draw_spring(axes, row, answer, _style_of(row, verdict))
+    marked = [one for row, one in rows if _draw_spring(axes, row, one, _style_of(row, verdict))]
+    said = _without_bars(marked)
+    if said:
+        axes.plot([], [], "o", color="0.4", ms=7, label=said)
     axes.set_yticks([row for row, _ in rows], [one.name for _, one in rows], fontsize="small")
     axes.set_ylim(len(rows) - 0.5, -0.5)
     axes.set_xscale("log")
@@ -222,8 +227,23 @@ def draw_springs(axes: Any, verdict: Verdict) -> None:
     name_axis(axes.xaxis, said, "" if unit == SHARED else unit)
 
 
-def _draw_spring(axes: Any, row: int, answer: Answer, style: dict[str, Any]) -> None:
-    """One reading's K*; an infinite one is said in words, as is one of 0."""
+def _without_bars(marked: list[Answer]) -> str:
+    """Which errors are smaller than the marks of K* that show no bar: none of other samples where it is not known, as
+    of a single scan; "" where each has a bar."""
+    each = [one.critical_spring for one in marked]
+    hidden = [one for one in each if _error_of(one) <= _WITHIN_THE_MARK * one.value]
+    known = all(one.sampling is not None for one in hidden)
+    errors = "numerical and sampling\nerrors " if known else "numerical error\n"
+    return f"no bar: {errors}smaller than the mark" if hidden else ""
+
+
+def _error_of(critical_spring: Quantity) -> float:
+    """The larger of the numerical error and the scatter of other samples."""
+    return max(critical_spring.error, critical_spring.sampling or 0.0)
+
+
+def _draw_spring(axes: Any, row: int, answer: Answer, style: dict[str, Any]) -> bool:
+    """One reading's K*, an infinite one in words, as is one of 0; whether it is a mark."""
     value = answer.critical_spring.value * answer.scale.spring
     if answer.smoothed or answer.critical_spring.lost or not 0.0 < value < np.inf:
         said = "slips on every spring" if value else "slips on no spring"
@@ -239,7 +259,8 @@ def _draw_spring(axes: Any, row: int, answer: Answer, style: dict[str, Any]) -> 
         # the machine's spring may stand behind the words
         place["bbox"] = {"facecolor": "white", "edgecolor": "none", "pad": 1.0}
         axes.text(0.02, row, said, fontsize="small", **place)
-        return
-    error = max(answer.critical_spring.error, answer.critical_spring.sampling or 0.0)
+        return False
+    error = _error_of(answer.critical_spring)
     bars: dict[str, Any] = {"fmt": style["marker"], "color": style["color"], "ms": 7, "capsize": 4}
     axes.errorbar([value], [row], xerr=[error * answer.scale.spring], **bars)
+    return True
