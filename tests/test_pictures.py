@@ -18,6 +18,7 @@ from scenes import GAUSSIAN, ROUGH, scene
 import master
 import origins
 import toolkit
+from tests.verdicts import infinite, reading, verdict_on
 from toolkit.judge.compare import compare
 from toolkit.judge.lines import table
 from toolkit.judge.picture import draw_comparison
@@ -39,6 +40,8 @@ from toolkit.scene.scale import written
 from toolkit.stability.table import VERDICTS
 from toolkit.verdict.judge import verdict
 from toolkit.verdict.picture import draw_springs, draw_verdict
+from toolkit.verdict.sliders.records import Finite
+from toolkit.verdict.trace import draw_trace
 
 ROOT = Path(__file__).parents[1]
 WIDE = {"kind": "gaussian", "mean": 1.0, "std": 0.2}
@@ -539,6 +542,17 @@ def test_a_verdict_draws_the_sliders_of_so_many_contacts_that_disagree() -> None
     answer = dataclasses.replace(found.own, behaviours=(unknown,))
     lost = dataclasses.replace(found, answers=(answer,), finite=())
     assert "trace" not in panels(draw_verdict(lost))
+
+
+def test_a_trace_that_ends_where_it_slides_has_a_line_at_the_force_of_sliding() -> None:
+    few = Finite("reset", 900, "smooth", late=0.52, late_error=1e-3)
+    for end, rises, lines in ((51.0, False, [0.52]), (90.0, False, []), (51.0, True, [])):
+        trace = {"drive": np.array([0.0, 50.0, end]), "force": np.array([0.0, 0.5, 0.51])}
+        one = dataclasses.replace(few, rises=rises, **trace)
+        axes = Figure().subplots()
+        draw_trace(axes, verdict_on(reading(infinite("smooth", 0)), finite=(one,)), letters=80)
+        told = [line for line in axes.lines if line.get_label() == "force of smooth sliding"]
+        assert [line.get_ydata()[0] for line in told] == lines
 
 
 def test_a_verdict_is_a_table_in_a_notebook() -> None:

@@ -26,6 +26,9 @@ _MANY, _LAST, _LAST_PART, _MOST_SHOWN, _A_CYCLE = 45, 6, 0.05, 0.25, 1.5
 # of the range of a force: a smaller change is not seen in the picture; of a path, the part up to which it is cut where
 # nothing happens any more
 _SEEN, _MOST_OF_A_PATH = 0.01, 0.7
+# of a path: on a shorter part at its end nobody sees that the force has stopped to rise, as 40 thresholds are few
+# micrometres of the millimetres on which a soft spring loads
+_SLIDING = 0.05
 Traced = TypeVar("Traced", Behaviour, Finite)
 
 
@@ -79,6 +82,7 @@ def draw_trace(axes: Any, verdict: Verdict, letters: int, since: float | None = 
         _draw_line(axes, verdict, one, (label, letters), style, since)
     axes.margins(x=0.01, y=0.05)
     if since is None:
+        _draw_sliding_force(axes, verdict)
         _end_behind_events(axes, verdict)
     name, unit = force_name(scale)
     name_axis(axes.xaxis, "drive $X_T$", scale.length_unit)
@@ -89,6 +93,19 @@ def draw_trace(axes: Any, verdict: Verdict, letters: int, since: float | None = 
         legend_above(axes, letters=letters)
     else:
         axes.set_title("the last part of the way", fontsize="small", loc="left")
+
+
+def _draw_sliding_force(axes: Any, verdict: Verdict) -> None:
+    """A dashed line at each force of smooth sliding that its trace does not show, as it ends where it slides."""
+    label: str | None = "force of smooth sliding"
+    for one, *_ in traces_of(verdict):
+        force = one.late if isinstance(one, Finite) else one.after
+        settled = not one.rises if isinstance(one, Finite) else one.swings is None
+        shown = one.drive[-1] - _last_event(one) > _SLIDING * np.ptp(one.drive)
+        if one.kind == "smooth" and settled and np.isfinite(force) and not shown:
+            style: dict[str, Any] = {"color": "0.3", "ls": "--", "lw": 1.0, "zorder": 0}
+            axes.axhline(force * verdict.own.scale.force, label=label, **style)
+            label = None
 
 
 def _end_behind_events(axes: Any, verdict: Verdict) -> None:
