@@ -9,7 +9,7 @@ import numpy.typing as npt
 from master.motion import Motion
 from master.numerics import polynomials
 from master.outcome import Progress, outcome, unconserved
-from master.renewal.births import Births, Jump, reforming_law
+from master.renewal.births import Births, Jump, reforming_law, roughly_holding
 from master.renewal.budget import ErrorBudget
 from master.renewal.edges import ROUNDED, SAME_TIME, edges
 from master.renewal.march import March
@@ -187,7 +187,7 @@ def check_lives(contacts: Contacts, motion: Motion, life: Life) -> None:
     times = LOOKED_AT[:, None] / scale
     at_rest = Motion(np.array([0.0, times[-1, 0]]), np.zeros(2))
     history = at_rest.history(times, np.zeros((1, 1)))
-    survival = life.survival_and_force(reforming_law(contacts), history).survival[:, 0]
+    survival = roughly_holding(life, reforming_law(contacts), history)
     lasts = float(times[min(int((survival > 0.5).sum()), times.size - 1), 0])
     moving = float(np.diff(motion.times)[motion.speeds != 0.0].sum())
     most = FURTHEST if motion.one_leg else MOST_LIVES_TURN

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 import numpy.typing as npt
 
-from master.outcome import Progress, unheard
+from master.outcome import Progress, outcome, unheard
 from master.rigid import motion_of, solve_rigid
 from master.solution import Solution
 from master.survival.make import life_of
@@ -135,9 +135,14 @@ def _rigid(
     if not (slow and np.isfinite(until) and tolerance < ROUGH):
         return solved_to(tolerance)
     rough = solved_to(ROUGH)  # first, so that at wall_time at least this is known
-    fine = solved_to(tolerance)
-    if fine.path.size >= rough.path.size:
-        return fine
+    if rough.success and rough.force_error <= tolerance:
+        return replace(rough, message=outcome(contacts, rough.force_error, tolerance, "")[1])
+    run_time = rough.run_time
+    if clock.monotonic() <= until:
+        fine = solved_to(tolerance)
+        if fine.path.size >= rough.path.size:
+            return fine
+        run_time += fine.run_time
     hint = f"the force is known to {rough.force_error:.1e} only, as more took too long"
     message = f"stopped by wall_time: {hint}" if rough.success else rough.message
-    return replace(rough, success=False, message=message, run_time=rough.run_time + fine.run_time)
+    return replace(rough, success=False, message=message, run_time=run_time)

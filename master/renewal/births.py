@@ -41,6 +41,14 @@ def reforming_law(contacts: Contacts) -> Start:
     return SingleStart(0.0) if contacts.reforming is None else contacts.reforming.law
 
 
+def roughly_holding(life: Life, law: Start, history: History) -> Array:
+    """Of contacts born at stretches of a law the part that holds, for a history of one column, by eight of them where
+    it has a width: their average, to a solution's accuracy, may take as long as the solution."""
+    few = [law] if law.is_single else [SingleStart(x) for x in law.ppf((np.arange(8) + 0.5) / 8.0)]
+    each = [life.survival_and_force(one, history).survival[:, 0] for one in few]
+    return np.asarray(np.mean(each, axis=0))
+
+
 @dataclass
 class Births:
     """Births of contacts with one life along one motion.
