@@ -18,7 +18,7 @@ FORCE_OF_X = r"$F/(N_c\langle k\rangle)$"
 # Figs. A08 and A13 of the paper
 NARROW, WIDE = origins.gaussian(1.0, 0.05), origins.gaussian(1.0, 0.2)
 START = origins.gaussian_start(0.1, 0.025)
-# Fig. delta12, right column
+# Fig. 24 (delta12), right column
 PEAKS = origins.Contacts(
     origins.mixture([origins.gaussian(0.95, 1e-3), origins.gaussian(1.05, 1e-3)], [0.5, 0.5]), START
 )
@@ -90,7 +90,7 @@ def _draw_a04(axes: Any) -> None:
         f"mass gained in the end {kept.mass_defect[-1]:.3f}; with mass kept it ends at {found['mass'].path[-1]:.2f}"
     )
     axes[0].set(
-        title="A04: one $P_c(x;X)$ of (Q15), every 0.1", xlabel="threshold $x$", ylabel="$P_c$"
+        title="Fig. 13: one $P_c(x;X)$ of (Q15), every 0.1", xlabel="threshold $x$", ylabel="$P_c$"
     )
     middle, width = 0.5 * (kept.edges[1:] + kept.edges[:-1]), np.diff(kept.edges)
     for number, i in enumerate(range(0, int(late.sum()), 10)):
@@ -113,7 +113,10 @@ def _draw_a04(axes: Any) -> None:
     for ax in axes[1:]:
         ax.axvspan(kept.outrun, kept.path[-1], color="0.93", lw=0)
     axes[1].set(
-        title="A04: force", xlabel="$X$", ylabel=r"$F/(N_c\langle k\rangle)$", ylim=(0.05, 0.92)
+        title="Fig. 13: force",
+        xlabel="position $X$",
+        ylabel=r"$F/(N_c\langle k\rangle)$",
+        ylim=(0.05, 0.92),
     )
     axes[1].legend(fontsize="small", loc="upper right")
     axes[2].plot(
@@ -127,7 +130,7 @@ def _draw_a04(axes: Any) -> None:
         ls=":",
         label="mass kept: weight below 0",
     )
-    axes[2].set(title="A04: what (Q15) does not keep", xlabel="$X$", ylabel="defect")
+    axes[2].set(title="Fig. 13: what (Q15) does not keep", xlabel="position $X$", ylabel="defect")
     axes[2].annotate("contacts outrun $P_c$", (0.45, 0.2), xycoords="axes fraction", color="0.4")
     axes[2].legend(fontsize="x-small", loc="center right", handlelength=1.5)
 
@@ -143,7 +146,7 @@ def _draw_a05(histogram: Any, curve: Any) -> None:
             f"A05: D_X = {diffusion:g}: F_k = {steady.force:.10f} +- {0.5 * steady.force_error:.0e} (Q15)"
         )
     histogram.set(
-        title="A05: steady $P_c$ of (Q15)", xlabel="threshold $x$", ylabel="$P_c$", yscale="log"
+        title="Fig. 14: steady $P_c$ of (Q15)", xlabel="threshold $x$", ylabel="$P_c$", yscale="log"
     )
     histogram.set(ylim=(1e-3, 3e3))
     histogram.legend(title="$D_X$", fontsize="small", loc="upper center", ncols=3)
@@ -163,7 +166,7 @@ def _draw_a05(histogram: Any, curve: Any) -> None:
     )
     curve.axvline(7.5e3, color=GREY, lw=0.8, ls=":")
     curve.annotate("7.5e3 D", (9e3, 0.47), color="0.4")
-    curve.set(title="A05: kinetic force", xlabel="$v/D = 1/D_X$", ylabel=FORCE)
+    curve.set(title="Fig. 14: kinetic force", xlabel="speed $v/D = 1/D_X$", ylabel=FORCE)
     curve.legend(fontsize="small", loc="lower left")
 
 
@@ -193,8 +196,8 @@ def _draw_a06(axes: Any) -> None:
     axes.annotate("smooth sliding", (0.6, 0.6), xycoords="axes fraction", color="0.3")
     axes.annotate("stick-slip", (0.03, 0.04), xycoords="axes fraction", color="0.3")
     axes.set(
-        title="A06: where ageing ends stick-slip",
-        xlabel="$v$",
+        title="Fig. 15: where ageing ends stick-slip",
+        xlabel="speed $v$",
         ylabel=r"$K^*/(N_c\langle k\rangle)$",
     )
     axes.set(xticks=[1.5, 2, 3, 4, 6, 10], xticklabels=["1.5", "2", "3", "4", "6", "10"])
@@ -226,8 +229,8 @@ def draw_stick_slip() -> None:
         )
         axes.plot(at[order], force[order], color=ink, lw=1.4, label=f"v = {velocity:g}")
     axes.set(
-        title="A06: a spring of 3.5 $N_c\\langle k\\rangle$, contacts that age",
-        xlabel="$X_T$",
+        title="Fig. 15: a spring of 3.5 $N_c\\langle k\\rangle$, contacts that age",
+        xlabel="drive $X_T$",
         ylabel=FORCE_OF_X,
     )
     axes.set(xlim=(0.0, 3.0), ylim=(-0.02, 0.85))
@@ -271,7 +274,11 @@ def _draw_speeds(axes: Any) -> None:
         mfc="none",
         label="T = 0.3, the paper's closure",
     )
-    axes.set(title="A08c: soft contacts, dashed stiff", xlabel=r"$v$ ($\omega = 1$)", ylabel=FORCE)
+    axes.set(
+        title="Fig. 10: soft contacts, dashed stiff",
+        xlabel=r"speed $v$ ($\omega = 1$)",
+        ylabel=FORCE,
+    )
     axes.legend(fontsize="small")
 
 
@@ -285,8 +292,8 @@ def _draw_temperatures(axes: Any) -> None:
     told = f"to {curve.force_error.max():.0e} in {curve.run_time:.1f} s"
     print(f"A08c: F_k(T) at {temperatures.size} temperatures: {told}")
     axes.set(
-        title="A08c: soft contacts, dashed stiff",
-        xlabel=r"$T = k_BT/\langle k\rangle$",
+        title="Fig. 10: soft contacts, dashed stiff",
+        xlabel=r"temperature $T = k_BT/\langle k\rangle$",
         ylabel=FORCE,
     )
     axes.legend(fontsize="small")
@@ -306,7 +313,7 @@ def _draw_line(axes: Any) -> None:
     axes.annotate("T = 0", (1.2e-4, float(cold.critical_spring) - 0.45), color="0.4")
     axes.set(
         title="below a line the slider slips, above it slides smoothly",
-        xlabel=r"$v$ ($\omega = 1$)",
+        xlabel=r"speed $v$ ($\omega = 1$)",
     )
     axes.set(ylabel=r"$K^*/(N_c\langle k\rangle)$")
     axes.legend(fontsize="small", loc="lower right")
@@ -328,7 +335,11 @@ def _draw_delay(axes: Any) -> None:
     told = "F(X) followed to X = 300"
     axes.plot(some, [one.holding[0] for one in late], "o", color=BLUE, mfc="none", ms=6, label=told)
     axes.plot(some, [one.force[0] for one in late], "o", color=RED, mfc="none", ms=6)
-    axes.set(title="A13b: a delay", xlabel=r"$\Delta X_m = v\tau_m$", ylim=(0.0, 1.05))
+    axes.set(
+        title="Fig. 23: a delay",
+        xlabel=r"way of the drive in a delay, $\Delta X_m = v\tau_m$",
+        ylim=(0.0, 1.05),
+    )
     axes.legend(fontsize="small")
 
 
@@ -365,10 +376,13 @@ def draw_decoherence() -> None:
     first = int(np.argmin(np.abs(found.period - 1.0)))
     print(f"X* = {found.decay_length[first]:.4f}, |c| = {abs(found.amplitude[first]):.3f}")
     axes[0].loglog(
-        found.period, found.decay_length, "x", color="k", ms=5, label="two peaks of Fig. delta12"
+        found.period, found.decay_length, "x", color="k", ms=5, label="two peaks of Fig. 24"
     )
     axes[0].set(
-        title="roots of $\\hat p(s) = 1$", xlabel="period", ylabel="decay length", ylim=(0.1, 1e4)
+        title="roots of $\\hat p(s) = 1$",
+        xlabel="period (units of length)",
+        ylabel="decay length (units of length)",
+        ylim=(0.1, 1e4),
     )
     axes[0].legend(fontsize="small", loc="upper left")
     x = np.linspace(0.0, 50.0, 4001)
@@ -382,7 +396,9 @@ def draw_decoherence() -> None:
         axes[1].plot(
             x, found.kinetic_force + sign * envelope, color=RED, lw=1.2, ls="--", label=label
         )
-    axes[1].set(title="Fig. delta12, two peaks", xlabel="$X$", ylabel=r"$F/(N_c\langle k\rangle)$")
+    axes[1].set(
+        title="Fig. 24, two peaks", xlabel="position $X$", ylabel=r"$F/(N_c\langle k\rangle)$"
+    )
     axes[1].legend(fontsize="small", loc="upper right")
     late = x[x >= 2.0]
     off = np.abs(found.force(late) - solved.force[x >= 2.0])
@@ -393,7 +409,9 @@ def draw_decoherence() -> None:
         late, found.force_error(late), color=RED, lw=1.2, label="error estimated with them"
     )
     axes[2].set(
-        title="the sum of 60 terms", xlabel="$X$", ylabel=r"$|\Delta F|/(N_c\langle k\rangle)$"
+        title="the sum of 60 terms",
+        xlabel="position $X$",
+        ylabel=r"$|\Delta F|/(N_c\langle k\rangle)$",
     )
     axes[2].set_ylim(1e-12, 1e2)
     axes[2].legend(fontsize="small")
