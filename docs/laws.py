@@ -255,6 +255,7 @@ STYLES = (("soft", "-"), ("stiff", "--"))
 
 
 def _draw_speeds(axes: Any) -> None:
+    """F_k against the speed at four temperatures, of soft and of stiff contacts, and by the paper's closure."""
     v = np.geomspace(1e-4, 1e4, 200)
     for temperature, ink in TEMPERATURES:
         for law, dashes in STYLES:
@@ -300,6 +301,7 @@ def _draw_temperatures(axes: Any) -> None:
 
 
 def _draw_line(axes: Any) -> None:
+    """K* against the speed at the same temperatures, and at T = 0."""
     v = np.geomspace(1e-4, 1e4, 33)
     for temperature, ink in TEMPERATURES:
         for law, dashes in STYLES:
@@ -320,6 +322,7 @@ def _draw_line(axes: Any) -> None:
 
 
 def _draw_delay(axes: Any) -> None:
+    """The share of contacts that hold, and F_k, against the drive's way in a delay; and both of F(X) followed far."""
     waits = np.linspace(0.0, 3.0, 121)
     curve = master.kinetic_curve(origins.Contacts(WIDE), delay=waits)
     print(f"A13b: N_c to {curve.holding_error.max():.0e}, F_k to {curve.force_error.max():.0e}")

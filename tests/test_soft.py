@@ -486,8 +486,10 @@ def test_wall_time_keeps_the_points_before_the_first_slip(monkeypatch) -> None:
     monkeypatch.setattr("time.monotonic", lambda: float(next(looks)))
     asked = {"spring": 0.5, "slip": "reset"}
     assert master.solve(contacts, path, 1e-6, wall_time=1e9, **asked).success
-    found = master.solve(contacts, path, 1e-6, wall_time=14.5, **asked)
-    assert not found.success and "wall_time" in found.message and 5 < found.path.size < path.size
+    # how often tables look at it before the first panel is their own affair
+    each = (master.solve(contacts, path, 1e-6, wall_time=k + 0.5, **asked) for k in range(40))
+    found = next(one for one in each if one.path.size > 5)
+    assert not found.success and "wall_time" in found.message and found.path.size < path.size
     assert np.abs(found.force + np.expm1(-found.position)).max() <= found.force_error <= 1e-6
 
 

@@ -38,8 +38,8 @@ _LONG = 110
 # of an axis of springs, its least width as a factor: numerical errors alone would make ticks of many digits, and on
 # less than two decades multiples of a power of ten are labelled, too, too near to one another in so narrow a panel
 _LEAST_WIDTH = 120.0
-# of a K*: an error whose bar does not stand out of its mark, which is some 7 % of a value wide to each side on an axis
-# of that width or more
+# of a K*: an error whose bar does not stand out of its mark: half of its 7 points are 5.5 % of a value on an axis of
+# that width, which has some 300 points
 _WITHIN_THE_MARK = 0.05
 # widths of P_c and the springs, of one reading and of several
 _ONE_WIDE, _WIDE = (2.2, 1.0), (1.0, 1.0)

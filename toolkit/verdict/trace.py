@@ -26,8 +26,8 @@ _MANY, _LAST, _LAST_PART, _MOST_SHOWN, _A_CYCLE = 45, 6, 0.05, 0.25, 1.5
 # of the range of a force: a smaller change is not seen in the picture; of a path, the part up to which it is cut where
 # nothing happens any more
 _SEEN, _MOST_OF_A_PATH = 0.01, 0.7
-# of a path: on a shorter part at its end nobody sees that the force has stopped to rise, as 40 thresholds are few
-# micrometres of the millimetres on which a soft spring loads
+# of a path: on a shorter part at its end nobody sees that the force no longer rises: 40 thresholds are micrometres, and
+# a soft spring loads over millimetres
 _SLIDING = 0.05
 Traced = TypeVar("Traced", Behaviour, Finite)
 

@@ -224,8 +224,12 @@ def refuse_slips_of_the_aged(contacts: Contacts, drive: Drive) -> None:
     furthest = float(np.abs(drive.path).max())
     if spring * furthest > static:
         fault = f"contacts that age are followed up to their static force on springs below {SOFT_FOR_AGED}"
-        hint = f'take slip = "reset", or end the path before {static / spring:.4g}'
-        refuse("slip", drive.slip, f"{fault} N_c<k>, and the path leads to {furthest:.4g}; {hint}")
+        hint = f'take slip = "reset", or end the path before |X_T| = {static / spring:.4g}'
+        refuse(
+            "slip",
+            drive.slip,
+            f"{fault} N_c<k>, and the path leads to |X_T| = {furthest:.4g}; {hint}",
+        )
 
 
 def refuse_long_delays(contacts: Contacts, drive: Drive) -> None:
